@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iomanip>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <utility>
 
+#include "meshes/generation/layer_mesh.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "meshes/io/input_files.h"
@@ -264,6 +267,21 @@ FrictionRequest read_friction(const Entry& input) {
   return request;
 }
 
+/// The models get the thickness that is typed, the finite elements the mesh's: both have to be of
+/// one layer. Where the mesh has no core under the contact nothing can be said.
+void require_thickness(const std::string& path, const meshes::LayerMesh& mesh, double typed_m) {
+  constexpr double a_few_percent = 0.03;
+  if (!mesh.thickness_m || std::abs(*mesh.thickness_m / typed_m - 1) <= a_few_percent) return;
+  const auto in_mm = [](double length_m) {
+    std::ostringstream text;
+    text << std::setprecision(4) << 1e3 * length_m << " mm";
+    return text.str();
+  };
+  throw InputError(path, "thickness under the contact", in_mm(*mesh.thickness_m),
+                   "thickness_mm of the case, " + in_mm(typed_m) +
+                       ", within 3 %: another mesh, another thickness, or another mesh_unit");
+}
+
 /// "line 3, column 14" of a byte, counted from 1 as the parser does.
 std::string place_of(const std::string& text, std::size_t byte) {
   const std::string before = text.substr(0, byte > 0 ? byte - 1 : 0);
@@ -331,9 +349,10 @@ Problem read_problem(const json& input, const MeshReaders& readers) {
     problem.fingertip = read_fingertip(*fingertip, readers);
   if (const auto mesh = root.find("layer_mesh")) {
     problem.mesh_name = mesh->dump();
-    problem.mesh =
-        readers.layer(mesh->at("mesh").text(), mesh->at("metres_per_unit").positive(), regions);
+    const std::string path = mesh->at("mesh").text();
+    problem.mesh = readers.layer(path, mesh->at("metres_per_unit").positive(), regions);
     check_content(*mesh);
+    require_thickness(path, *problem.mesh, problem.contact.layer.thickness_m);
   }
   if (const auto friction = root.find("friction")) problem.friction = read_friction(*friction);
   if (const auto file = root.find("compliance_file")) problem.compliance_file = file->text();

@@ -2,21 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
 
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/fem_answer.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/reference/fem_process.h"
+#include "comparisons/reference/full_reference.h"
+#include "comparisons/reference/theory_limits.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
 #include "comparisons/text/json_text.h"
-#include "comparisons/text/percent.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -30,6 +31,7 @@ struct FemOptions {
   double approach_mm = 0;
   int level = 0, increments = 20, limit_surface = 0, increments_to_slip = 0;
   bool torsion = false, json = false;
+  reference::Idealisations idealisations;
   reference::FemLimits limits;
 };
 
@@ -45,102 +47,12 @@ reference::FrictionRequest friction_request(const FemOptions& options) {
   return request;
 }
 
-/// "nan %" when the error is not known.
-std::string in_percent(const std::optional<double>& error) {
-  return text::percent(error.value_or(std::numeric_limits<double>::quiet_NaN()));
-}
-
-std::string twist_table(const reference::ReferenceResult& result) {
-  const reference::TwistedContact& twist = *result.twist;
-  std::string text = fmt::format(
-      "  torsional stiffness, stuck {:>10.5g} N·m/rad  ± {}\n"
-      "  torque at full slip        {:>10.5g} mN·m     ± {}, {:+.2g} % against int tau r "
-      "dA\n"
-      "  twist: angle (deg), torque (mN·m, ± {} of full slip), slipping share of the "
-      "area\n",
-      twist.stiffness_Nm_per_rad, in_percent(result.error.torsional_stiffness),
-      1e3 * twist.full_slip_torque_Nm, in_percent(result.error.full_slip_torque),
-      100 * (twist.full_slip_torque_Nm / result.max_torque_Nm - 1),
-      in_percent(result.error.torsion_curve));
-  for (const reference::TwistState& state : twist.states)
-    text += fmt::format("    {:>10.4g} {:>10.5g} {:>6.0f} %\n", state.angle_rad * 180 / M_PI,
-                        1e3 * state.torque_Nm, 100 * state.slip_fraction);
-  return text;
-}
-
-std::string limit_surface_table(const reference::ReferenceResult& result) {
-  std::string text = fmt::format(
-      "  limit surface, ± {} of the largest force and torque: fx, fy (N), torque (mN·m)\n",
-      in_percent(result.error.limit_surface));
-  for (const reference::FrictionWrench& point : result.limit_surface)
-    text += fmt::format("    {:>10.5g} {:>10.5g} {:>10.5g}\n", point.force_x_N, point.force_y_N,
-                        1e3 * point.torque_Nm);
-  return text;
-}
-
-std::string friction_table(const reference::ReferenceResult& result) {
-  return (result.twist ? twist_table(result) : "") +
-         (result.limit_surface.empty() ? "" : limit_surface_table(result));
-}
-
-/// A scan has this error, and it is null where one of the scan's readings could not be pressed.
-bool is_geometry_unknown(const reference::ReferenceResult& result) {
-  const auto error = result.document.find("geometry_error");
-  return error != result.document.end() && error->is_null();
-}
-
-std::string table_row(const reference::ReferenceResult& result) {
-  using reference::ReferenceErrors;
-  const auto within = [&](std::optional<double> ReferenceErrors::*quantity) {
-    const std::optional<double>& elements = result.error.*quantity;
-    std::string text = elements ? "± " + text::percent(*elements) : "";
-    if (const auto& facets = result.geometry_error; facets && (*facets).*quantity)
-      text += fmt::format("{}± {} by the scan's facets", text.empty() ? "" : ", ",
-                          text::percent(*((*facets).*quantity)));
-    return text;
-  };
-  return fmt::format(
-             "  a           {:>10.5g} mm    {}\n"
-             "  b           {:>10.5g} mm    {}\n"
-             "  indentation {:>10.5g} mm    {}\n"
-             "  peak        {:>10.5g} kPa   {}\n"
-             "  area        {:>10.5g} mm²   {} (seen along the load; {:.5g} mm² on the surface)\n"
-             "  torque      {:>10.5g} mN·m  {}\n",
-             result.a_m * 1e3, within(&ReferenceErrors::a), result.b_m * 1e3,
-             within(&ReferenceErrors::b), result.indentation_m * 1e3,
-             within(&ReferenceErrors::indentation), result.peak_pressure_Pa * 1e-3,
-             within(&ReferenceErrors::peak_pressure), result.area_projected_m2 * 1e6,
-             within(&ReferenceErrors::area), result.area_m2 * 1e6, result.max_torque_Nm * 1e3,
-             within(&ReferenceErrors::max_torque)) +
-         (result.projected_torque_Nm
-              ? fmt::format("  projected   {:>10.5g} mN·m  int tau n_z r dA, without the slope\n",
-                            *result.projected_torque_Nm * 1e3)
-              : "") +
-         (is_geometry_unknown(result)
-              ? "  What the scan's facets leave open is not known: another reading of them could "
-                "not be pressed.\n"
-              : "") +
-         fmt::format("  {} unknowns, {:.3g} s\n",
-                     result.unknowns ? fmt::format("{:.0f}", *result.unknowns) : "?",
-                     std::isfinite(result.wall_s) ? result.wall_s : 0);
-}
-
-/// With the keys that `predict` has, so that one reader serves both.
-nlohmann::json to_json(const reference::ReferenceResult& result) {
-  nlohmann::json object = result.document;
-  object["load_N"] = result.load_N;
-  object["model"] = "fem";
-  object["torque_rule"] = "exact";
-  object["valid"] = true;
-  object["validity"] = nlohmann::json::array();
-  object["error_estimate"] = object["error"];
-  object["cost_ns"] = text::finite_or_null(1e9 * result.wall_s);
-  return object;
-}
-
 /// The loads of a case as the program is to solve them.
 struct Plan {
-  input::Case contact_case;
+  input::Case contact_case;  ///< with the reference that is solved
+  bool is_full = false;      ///< which leaves out nothing
+  /// Left open by the case and the command line: its refusal may be one of the geometry's.
+  bool curved_by_default = false;
   /// With a given approach the load is a result. The first load then only chooses the size of the
   /// patch on which the radii of a mesh are fitted.
   double approach_mm = 0;
@@ -150,6 +62,9 @@ struct Plan {
   int level = 0;
 
   bool by_approach() const { return approach_mm != 0; }
+  std::optional<double> approach_m() const {
+    return by_approach() ? std::optional(1e-3 * approach_mm) : std::nullopt;
+  }
   bool finite_strain() const { return contact_case.fem_finite.has_value(); }
   std::string title(std::size_t load) const {
     return by_approach() ? fmt::format("{} {} mm: ", contact_case.id, approach_mm)
@@ -172,16 +87,33 @@ void check(const FemOptions& options, const Plan& plan) {
     throw InputError("--export-compliance", "file", options.compliance, "a regular file");
 }
 
+/// What `compare` solves, less what is not asked for.
+/// @param typed  by the user
+reference::Idealisations idealisations_of(const FemOptions& options, const input::Case& typed) {
+  if (options.compliance.empty()) return options.idealisations;
+  if (!(typed.fem_geometry_typed && typed.fem_kinematics_typed) &&
+      !(options.idealisations.flat && options.idealisations.linear))
+    remark(
+        "--export-compliance: of a flat layer in linear elasticity, because a surface that bends "
+        "or deforms has no one compliance");
+  return {true, true};
+}
+
 Plan plan_loads(const FemOptions& options) {
   Plan plan;
-  plan.contact_case = read_case(options.typed_case);
-  const prediction::GeometryResolver resolver(plan.contact_case);
-  for (const std::string& line : resolver.remarks()) remark(line);
-  plan.level = options.level > 0 ? options.level : plan.contact_case.fem_level;
+  const input::Case typed = read_case(options.typed_case);
+  const prediction::GeometryResolver surfaces(typed);
+  for (const std::string& line : surfaces.remarks()) remark(line);
+  plan.level = options.level > 0 ? options.level : typed.fem_level;
   plan.approach_mm = options.approach_mm;
-  plan.loads_N = plan.contact_case.loads_N;
+  plan.loads_N = typed.loads_N;
   if (plan.by_approach()) plan.loads_N.resize(1);
   check(options, plan);
+  plan.contact_case = reference::with_full_reference(
+      typed, surfaces, idealisations_of(options, typed), plan.approach_m());
+  plan.curved_by_default = plan.contact_case.fem_curved && !typed.fem_geometry_typed;
+  const prediction::GeometryResolver resolver(plan.contact_case, &surfaces);
+  plan.is_full = reference::is_full_reference(plan.contact_case, resolver, plan.approach_m());
   for (const double load_N : plan.loads_N) plan.geometries.push_back(resolver.place(load_N));
   // One process solves all loads. The largest contact comes first, because smaller ones can use its
   // mesh. At finite strain the smallest comes first: each load has its own meshes there, and the
@@ -201,7 +133,7 @@ reference::FemProblem problem_of(const FemOptions& options, const Plan& plan, st
   const double load_N = plan.loads_N[load];
   reference::FemProblem problem =
       reference::fem_problem(contact_case, plan.geometries[load], load_N, plan.level);
-  if (plan.by_approach()) problem.approach_m = 1e-3 * plan.approach_mm;
+  problem.approach_m = plan.approach_m();
   problem.friction = friction_request(options);
   if (!options.compliance.empty())
     problem.compliance_file = std::filesystem::absolute(options.compliance);
@@ -247,7 +179,12 @@ SolvedLoads solve(const FemOptions& options, const Plan& plan, system::Progress&
   callbacks.on_answer = [&](reference::FemIndex index, reference::FemAnswer answer) {
     const std::size_t load = plan.order[index.problem];
     // A failure ends the remaining loads; an exception is how the process is stopped.
-    if (!answer.result) throw Failed{answer.exit_status, plan.title(load) + answer.failure};
+    if (!answer.result)
+      throw Failed{
+          answer.exit_status,
+          plan.title(load) + answer.failure +
+              (plan.curved_by_default ? " (pressed on the finger itself; --flat takes a flat layer)"
+                                      : "")};
     // As asked for: the program's own load has gone through units and back.
     if (!plan.by_approach()) answer.result->load_N = plan.loads_N[load];
     solved.of_load[load] = std::move(answer.result);
@@ -263,23 +200,40 @@ SolvedLoads solve(const FemOptions& options, const Plan& plan, system::Progress&
   return solved;
 }
 
+FemAnswerText answer_of(const Plan& plan, std::size_t load,
+                        const reference::ReferenceResult& result) {
+  const prediction::LocalGeometry& geometry = plan.geometries[load];
+  const Validity validity = reference::theory_limits(plan.contact_case, geometry, result);
+  return {plan.contact_case,
+          geometry,
+          result,
+          validity,
+          judgement::bound_of({plan.contact_case, geometry, result, plan.is_full, validity.holds(),
+                               plan.by_approach()}),
+          plan.approach_m()};
+}
+
 void print(const FemOptions& options, const Plan& plan, const SolvedLoads& solved) {
   nlohmann::json results = nlohmann::json::array();
-  std::string text = prediction::describe(plan.contact_case) + "\n";
+  std::string answers, evidence;
   for (std::size_t load = 0; load < plan.loads_N.size(); ++load) {
     if (!solved.of_load[load]) continue;  // interrupted, or failed, before this load
-    const reference::ReferenceResult& result = *solved.of_load[load];
-    text +=
-        fmt::format("\n{:g} N: {}\n", result.load_N, prediction::describe(plan.geometries[load])) +
-        table_row(result) + friction_table(result);
-    if (result.coarse) text += "  (interrupted: the result of a coarser level than requested)\n";
-    results.push_back(to_json(result));
+    const FemAnswerText answer = answer_of(plan, load, *solved.of_load[load]);
+    answers += answer_line(answer) + "\n";
+    evidence += "\n" + evidence_text(answer);
+    results.push_back(to_json(answer));
   }
   if (options.json)
     system::write_to_stdout(
-        nlohmann::json({{"case", plan.contact_case.id}, {"results", results}}).dump(2) + "\n");
+        nlohmann::json(
+            {{"schema", text::kSchema}, {"case", plan.contact_case.id}, {"results", results}})
+            .dump(2) +
+        "\n");
   else
-    system::write_text_to_stdout(text + experiments::noise_remark());
+    system::write_text_to_stdout(
+        answers + "\n" + prediction::describe(plan.contact_case) +
+        "\nfinite elements: " + describe_reference(plan.contact_case, plan.level) + "\n" +
+        evidence + experiments::noise_remark());
 }
 
 int run_fem(const FemOptions& options) {
@@ -305,7 +259,8 @@ void add_fem(CLI::App& app, Action& action) {
   auto options = std::make_shared<FemOptions>();
   CLI::App* command = app.add_subcommand(
       "fem",
-      "The finite-element reference with its own error estimate, per load; seconds to minutes");
+      "Finite elements of the finger itself, as compare solves them, with their own error; seconds "
+      "to minutes");
   add_case(*command, options->typed_case);
   command
       ->add_option("--level", options->level,
@@ -343,9 +298,19 @@ void add_fem(CLI::App& app, Action& action) {
       "--export-compliance", options->compliance,
       "file for the compliance of the contact surface (m/N; the first line says what "
       "follows); default: none");
+  command->add_flag("--linear", options->idealisations.linear,
+                    "linear elasticity; default: finite strain where it changes a number by more "
+                    "than the elements' stated error");
+  command->add_flag("--flat", options->idealisations.flat,
+                    "a flat layer under the relative radii; default: the finger itself, where the "
+                    "case has one");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   add_fem_limits(*command, options->limits);
   command->footer(
+      "A case's [fem] geometry and kinematics come before --flat and --linear. ± is the error "
+      "against "
+      "the\n"
+      "finger: of the elements and, on a scan, of what its facets leave open.\n"
       "[fem] mesh = \"layer.msh\" in the case takes a volume mesh of the layer in place of the "
       "flat\n"
       "one: 8-node hexahedra in mm (mesh_unit = \"m\" for metres), physical groups \"layer\" "
@@ -355,6 +320,7 @@ void add_fem(CLI::App& app, Action& action) {
       "The program softfinger-fem is looked for beside this one, or in SOFTFINGER_FEM_PROGRAM.\n"
       "Samples:\n"
       "  softfinger fem hertz_circle --level 1\n"
+      "  softfinger fem pad_on_plane --level 1 --flat --linear\n"
       "  softfinger fem pad_on_sphere --level 1 --torsion --limit-surface 8\n"
       "  softfinger fem hertz_circle --level 1 --output hertz_vtu --json");
   command->callback([options, &action] { action = [options] { return run_fem(*options); }; });

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/number_range.h"
 
 namespace softfinger::commands {
 
@@ -11,7 +12,7 @@ void add_fem_limits(CLI::App& command, reference::FemLimits& limits) {
           fmt::format("longest time of one finite-element problem, 1 to 1e7 s; a longer one "
                       "is ended and the others continue; default: {:g}",
                       limits.time_s))
-      ->check(CLI::Range(1., 1e7));
+      ->check(number_range(1, 1e7));
   command
       .add_option(
           "--fem-memory-MB", limits.memory_MB,
@@ -20,7 +21,7 @@ void add_fem_limits(CLI::App& command, reference::FemLimits& limits) {
               "likewise; "
               "default: {:g}",
               limits.memory_MB))
-      ->check(CLI::Range(50., 1e7));
+      ->check(number_range(50, 1e7));
 }
 
 }  // namespace softfinger::commands

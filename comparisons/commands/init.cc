@@ -80,10 +80,11 @@ std::string case_text(const InitOptions& options) {
       "# shear_law = \"coulomb\"                  # or \"shear_strength\", \"limited\", "
       "\"adhesive_shear\"\n"
       "# shear_strength_kPa = 40                # for these three\n"
-      "\n# [fem]                                  # what the finite elements are to be; default: "
-      "all that matters\n"
-      "# geometry = \"curved\"                    # or \"flat\"\n"
-      "# kinematics = \"finite\"                  # or \"linear\"\n"
+      "\n# [fem]                                  # to ask compare and fem for less; default: the "
+      "finger itself\n"
+      "# geometry = \"flat\"                      # a flat layer under the relative radii; or "
+      "\"curved\"\n"
+      "# kinematics = \"linear\"                  # small strain; or \"finite\"\n"
       "# level = 2                              # 1 coarse to 3 fine\n",
       id_of(options.file), geometry_text(options));
 }

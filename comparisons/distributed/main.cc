@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "comparisons/commands/number_range.h"
 #include "comparisons/distributed/rank_pool.h"
 #include "comparisons/judgement/atlas/make_atlas.h"
 #include "comparisons/sweep/run_sweep.h"
@@ -225,10 +226,10 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
   app.add_option("--seed", options.seed, "of the random contacts; default: 1")->needs(atlas);
   app.add_option("--fem-time-s", options.fem_limits.time_s,
                  "longest time of one finite-element problem, 1 to 1e7 s; default: 3600")
-      ->check(CLI::Range(1., 1e7));
+      ->check(commands::number_range(1, 1e7));
   app.add_option("--fem-memory-MB", options.fem_limits.memory_MB,
                  "largest memory of one finite-element problem, 50 to 1e7 MB; default: 8192")
-      ->check(CLI::Range(50., 1e7));
+      ->check(commands::number_range(50, 1e7));
   app.footer(
       "Samples:\n"
       "  mpirun -np 64 softfinger-sweep my_sweep.toml --output my_sweep\n"

@@ -426,7 +426,8 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
   read_contact(reader, reader.required_table(root, "contact"), result);
   result.geometry = read_geometry(reader, geometry, file.parent_path());
   if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
-  if (const auto core = geometry.at_path("finger.core"); core && !result.fem_curved)
+  if (const auto core = geometry.at_path("finger.core");
+      core && result.fem_geometry_typed && !result.fem_curved)
     reader.say(*core.node(),
                "finger.core needs [fem] geometry = \"curved\": a flat layer has none");
   read_materials(reader, root, result);

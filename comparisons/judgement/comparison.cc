@@ -181,7 +181,8 @@ LoadErrors errors_of(const Comparison& comparison) {
   }
   if (comparison.reference) {
     errors.stated = comparison.reference->error;
-    errors.fem_trusted = reference::is_trusted(errors.stated);
+    errors.fem_trusted = reference::is_trusted(*comparison.reference);
+    errors.fem_geometry_error = reference::largest_geometry_error(*comparison.reference);
   }
   for (const ModelComparison& model : comparison.models) {
     ModelError error;

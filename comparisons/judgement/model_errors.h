@@ -44,6 +44,8 @@ struct LoadErrors {
   /// The largest of what the geometry leaves open in a, b, area and torque; 0 for exact bodies.
   double geometry_error = 0;
   reference::ReferenceErrors stated = {};
+  /// `reference::largest_geometry_error` of what the finite elements state themselves.
+  double fem_geometry_error = 0;
 };
 
 /// All loads of one case.

@@ -128,6 +128,7 @@ ReferenceSummary reference_summary(const std::vector<CaseErrors>& cases, double 
       if (!load.fem_finished) continue;
       ++sum.solved;
       if (load.fem_trusted) ++sum.trusted;
+      sum.worst_geometry_error = std::max(sum.worst_geometry_error, load.fem_geometry_error);
       if (load.stated.max_torque) torque_errors.push_back(*load.stated.max_torque);
       for (const auto& stated : {load.stated.a, load.stated.b})
         sum.worst_axis_error = std::max(sum.worst_axis_error, stated.value_or(0));

@@ -57,6 +57,7 @@ struct ReferenceSummary {
   int without_usable_model = 0;  ///< loads with a reference at which no model meets the tolerance
   double median_torque_error = 0, worst_torque_error = 0;  ///< stated by the finite elements
   double worst_axis_error = 0;
+  double worst_geometry_error = 0;  ///< of scans; infinite where one does not state it
 };
 ReferenceSummary reference_summary(const std::vector<CaseErrors>& cases, double tolerance);
 

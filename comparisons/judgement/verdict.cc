@@ -182,7 +182,7 @@ std::string load_list(const std::vector<double>& loads_N) {
 Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance,
                         const std::string& reference) {
   std::vector<const LoadErrors*> finished;
-  std::vector<double> failed_N, doubtful_N;
+  std::vector<double> failed_N, doubtful_N, undetermined_N;
   std::string failure;
   Loads all;
   for (const LoadErrors& load : loads) {
@@ -193,7 +193,8 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance,
     }
     all.push_back(finished.size());
     finished.push_back(&load);
-    if (!load.fem_trusted) doubtful_N.push_back(load.load_N);
+    const bool is_determined = load.fem_geometry_error <= reference::kTrustLimits.geometry;
+    if (!load.fem_trusted) (is_determined ? doubtful_N : undetermined_N).push_back(load.load_N);
   }
   if (finished.empty())
     return {fmt::format("No verdict: FEM failed at {} ({}).", load_list(failed_N), failure),
@@ -253,6 +254,9 @@ Verdict compose_verdict(const std::vector<LoadErrors>& loads, double tolerance,
   if (!doubtful_N.empty())
     verdict.sentence +=
         fmt::format("; the FEM's own error is too large at {}", load_list(doubtful_N));
+  if (!undetermined_N.empty())
+    verdict.sentence +=
+        fmt::format("; the mesh leaves the FEM's own answer open at {}", load_list(undetermined_N));
   if (!failed_N.empty()) verdict.sentence += fmt::format("; FEM failed at {}", load_list(failed_N));
   verdict.sentence += ".";
   return verdict;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "comparisons/input/case.h"
 #include "comparisons/prediction/local_geometry.h"
 
@@ -14,9 +16,16 @@ struct Idealisations {
 /// The case with the reference that it deserves, where its [fem] chooses none: two bodies as they
 /// are, the layer bent over the finger's own core; finite strain as soon as it changes a number by
 /// more than the finite elements' stated error. A user's own mesh of the layer stays what it is.
-/// @param geometry  of the case
+/// @param geometry    of the case
+/// @param approach_m  by which it is pressed in place of its loads
 input::Case with_full_reference(input::Case contact_case,
                                 const prediction::GeometryResolver& geometry,
-                                const Idealisations& idealisations);
+                                const Idealisations& idealisations,
+                                std::optional<double> approach_m = std::nullopt);
+
+/// Whether a case as it is solved leaves out nothing that its full reference has, whatever its
+/// [fem] or the command line asked for.
+bool is_full_reference(const input::Case& solved, const prediction::GeometryResolver& geometry,
+                       std::optional<double> approach_m = std::nullopt);
 
 }  // namespace softfinger::reference

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <limits>
@@ -52,6 +53,7 @@ ReferenceErrors stated_errors(const json& error, const char* block) {
   errors.area = stated("area");
   errors.peak_pressure = stated("peak_pressure");
   errors.max_torque = stated("max_torque");
+  errors.load = stated("load");
   errors.torsional_stiffness = stated("torsional_stiffness");
   errors.full_slip_torque = stated("torque_full_slip");
   errors.torsion_curve = stated("torsion");
@@ -164,6 +166,7 @@ ReferenceResult read(const json& document) {
   result.levels = read_levels(document);
   result.error = read_errors(document);
   result.geometry_error = read_geometry_errors(document);
+  result.is_geometry_unknown = document.contains("geometry_error") && !result.geometry_error;
   result.along_x = read_profile(document, "profile_x");
   result.along_y = read_profile(document, "profile_y");
   const auto vtu = document.find("vtu");
@@ -186,13 +189,28 @@ ReadReferenceResult read_reference_result(const json& document) {
   }
 }
 
-bool is_trusted(const ReferenceErrors& error) {
-  const auto within = [](const std::optional<double>& stated, double limit) {
+bool are_elements_trusted(const ReferenceErrors& error) {
+  const auto is_within = [](const std::optional<double>& stated, double limit) {
     return stated && *stated <= limit;
   };
-  return within(error.a, kTrustLimits.axes) && within(error.b, kTrustLimits.axes) &&
-         within(error.indentation, kTrustLimits.indentation_and_torque) &&
-         within(error.max_torque, kTrustLimits.indentation_and_torque);
+  return is_within(error.a, kTrustLimits.axes) && is_within(error.b, kTrustLimits.axes) &&
+         is_within(error.indentation, kTrustLimits.indentation_and_torque) &&
+         is_within(error.max_torque, kTrustLimits.indentation_and_torque);
+}
+
+double largest_geometry_error(const ReferenceResult& result) {
+  constexpr double unknown = std::numeric_limits<double>::infinity();
+  if (!result.geometry_error) return result.is_geometry_unknown ? unknown : 0;
+  const ReferenceErrors& open = *result.geometry_error;
+  double largest = 0;
+  for (const auto& error : {open.a, open.b, open.area, open.max_torque})
+    largest = std::max(largest, error.value_or(unknown));
+  return largest;
+}
+
+bool is_trusted(const ReferenceResult& result) {
+  return are_elements_trusted(result.error) &&
+         largest_geometry_error(result) <= kTrustLimits.geometry;
 }
 
 std::string trust_limits_in_words() {

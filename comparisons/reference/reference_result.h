@@ -13,6 +13,7 @@ namespace softfinger::reference {
 /// for, or not known, as after a single level.
 struct ReferenceErrors {
   std::optional<double> a, b, indentation, area, peak_pressure, max_torque;
+  std::optional<double> load;  ///< where the approach was given
   std::optional<double> torsional_stiffness, full_slip_torque, torsion_curve;
   std::optional<double> limit_surface;  ///< of mu P and of the largest torque
 };
@@ -59,7 +60,9 @@ struct ReferenceResult {
   bool coarse = false;                            ///< stopped before the level that was asked for
   ReferenceErrors error;                          ///< of the elements
   std::optional<ReferenceErrors> geometry_error;  ///< what a scan's facets and noise leave open
-  std::vector<ReferenceLevel> levels;             ///< at least one
+  /// A scan's, where one of its readings could not be pressed.
+  bool is_geometry_unknown = false;
+  std::vector<ReferenceLevel> levels;  ///< at least one
   PressureProfile along_x, along_y;
   std::optional<std::string> vtu_file;
   std::optional<TwistedContact> twist;
@@ -80,11 +83,21 @@ ReadReferenceResult read_reference_result(const nlohmann::json& document);
 struct TrustLimits {
   double axes = 0.02;  ///< a and b
   double indentation_and_torque = 0.01;
+  /// What a scan may leave open in a, b, area and torque: the tolerance of comparisons.
+  double geometry = 0.1;
 };
 constexpr TrustLimits kTrustLimits;
 
-/// Whether all errors that `kTrustLimits` bounds are stated and within it.
-bool is_trusted(const ReferenceErrors& error);
+/// Whether the elements' own errors are stated and within `kTrustLimits`: finer ones help else.
+bool are_elements_trusted(const ReferenceErrors& error);
+
+/// The largest of what a scan leaves open in a, b, area and torque: 0 for exact bodies, infinite
+/// where it is not known.
+double largest_geometry_error(const ReferenceResult& result);
+
+/// Whether the elements are, and the scan leaves no more open than `kTrustLimits`, where finer
+/// elements do not help.
+bool is_trusted(const ReferenceResult& result);
 
 /// "2 % in a and b, 1 % in indentation and torque"
 std::string trust_limits_in_words();

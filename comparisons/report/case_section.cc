@@ -280,11 +280,23 @@ Html reference_details(const Json& load) {
       "{}.</p>\n",
       stated("a"), stated("b"), stated("area"), stated("indentation"), stated("peak_pressure"),
       stated("max_torque"));
-  return details(
-      html("Can this reference be trusted? {}: torque {}, a {}, b {}",
-           flag(fem, "trusted") ? Html("Yes") : "<b>Not yet</b>", stated("max_torque"), stated("a"),
-           stated("b")),
-      stated_errors + levels + html("<p class=\"facts\">{}</p>\n", joined(facts, " · ")));
+  Html left_open;
+  if (const Json& open = child(fem, "geometry_error"); open.is_object()) {
+    const auto part = [&](const char* key) {
+      const auto value = number(open, key);
+      return value ? percent(*value) : std::string("not known");
+    };
+    left_open = html("<p>The scan's mesh leaves open: a {}, b {}, area {}, max torque {}.</p>\n",
+                     part("a"), part("b"), part("area"), part("max_torque"));
+  }
+  return details(html("Can this reference be trusted? {}: torque {}, a {}, b {}",
+                      flag(fem, "trusted") ? Html("Yes")
+                      : compared_load(load).fem_geometry_error > reference::kTrustLimits.geometry
+                          ? Html("<b>No</b>, its mesh leaves too much open")
+                          : "<b>Not yet</b>",
+                      stated("max_torque"), stated("a"), stated("b")),
+                 stated_errors + left_open + levels +
+                     html("<p class=\"facts\">{}</p>\n", joined(facts, " · ")));
 }
 
 Html simulator_line(const Json& report_case, const Json& load) {

@@ -32,6 +32,10 @@ judgement::LoadErrors compared_load(const Json& load) {
   errors.load_N = number(load, "load_N").value_or(0);
   errors.fem_finished = !fem.is_null();
   errors.fem_trusted = flag(fem, "trusted");
+  if (fem.contains("geometry_error"))
+    for (const char* key : {"a", "b", "area", "max_torque"})
+      errors.fem_geometry_error = std::max(
+          errors.fem_geometry_error, number(child(fem, "geometry_error"), key).value_or(INFINITY));
   errors.fem_failure = text(load, "fem_failure");
   const Json& geometry = child(load, "geometry");
   errors.size = number(geometry, "s");

@@ -44,11 +44,17 @@ std::string input_range(std::optional<double> low, std::optional<double> high) {
 Html trust_sentence(const judgement::ReferenceSummary& reference, double tolerance) {
   if (reference.solved == 0)
     return "The finite elements found no solution, so that nothing can be compared.";
-  const double stated = std::max(reference.worst_torque_error, reference.worst_axis_error);
-  const Html numbers = html(
+  const double stated = std::max(
+      {reference.worst_torque_error, reference.worst_axis_error, reference.worst_geometry_error});
+  Html numbers = html(
       "stated error of the torque {} in the median and {} at worst, of the semi-axes {} at worst",
       percent(reference.median_torque_error), percent(reference.worst_torque_error),
       percent(reference.worst_axis_error));
+  if (std::isinf(reference.worst_geometry_error))
+    numbers += "; what a scan's mesh leaves open is not known of all of them";
+  else if (reference.worst_geometry_error > 0)
+    numbers += html("; the meshes of scans leave up to {} open in a, b, area or torque",
+                    percent(reference.worst_geometry_error));
   if (reference.trusted == reference.solved)
     return html("<b>The finite elements can be trusted</b> at {}: {}{}.",
                 reference.solved == reference.loads

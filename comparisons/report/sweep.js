@@ -186,7 +186,7 @@
     .map(([one, next]) => `M${short(x(one.x))},${short(y(one.y))}L${short(x(next.x))},${short(y(next.y))}`).join("");
 
   const told = (source, row, value) => [
-    `${source.style.label}: ${said(value)}${source !== fem && !source.valid[row] ? " (not usable)" : ""}`,
+    `${source.style.label}: ${said(value)}${source.valid[row] ? "" : source === fem ? " (not valid)" : " (not usable)"}`,
     ...variables.filter((v) => Number.isFinite(v.values[row])).map((v) => v.says(v.values[row])),
   ].join("\n");
 

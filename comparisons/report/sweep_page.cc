@@ -174,7 +174,8 @@ Source source_of(const Columns& columns, const std::string& name) {
     source.values[i] = columns.numbers(name + "_" + kQuantities[i].column);
     for (double& value : source.values[i]) value *= kQuantities[i].factor;
   }
-  for (const std::string& word : columns.texts(name + "_usable"))
+  // Finite elements are judged by their theory's limits, models by their error.
+  for (const std::string& word : columns.texts(name + (name == "fem" ? "_valid" : "_usable")))
     source.valid.push_back(word == "yes");
   return source;
 }
@@ -229,7 +230,6 @@ Table table_of(const Json& sweep) {
     Source fem = source_of(columns, "fem");
     for (std::size_t i = 0; i < kQuantities.size(); ++i)
       fem.errors[i] = columns.numbers(std::string("fem_error_") + kQuantities[i].name);
-    std::fill(fem.valid.begin(), fem.valid.end(), std::uint8_t{1});
     table.fem.push_back(std::move(fem));
   }
   if (columns.has("contact.friction_coefficient"))
@@ -517,7 +517,8 @@ Html rows_section(const Table& table) {
   for (const Source* source : sources) {
     const std::string name = label(source->name);
     for (const Quantity& quantity : kQuantities) head += head_cell(quantity, name);
-    if (source->name != "fem") head += html("<th scope=\"col\">usable<small>{}</small></th>", name);
+    head += html("<th scope=\"col\">{}<small>{}</small></th>",
+                 source->name == "fem" ? "valid" : "usable", name);
   }
   if (any_failure) head += "<th scope=\"col\" class=\"words\">failure</th>";
   for (std::size_t row = 0; row < shown; ++row) {
@@ -529,10 +530,7 @@ Html rows_section(const Table& table) {
     for (const Source* source : sources) {
       for (const std::vector<double>& values : source->values)
         rows += "<td>" + significant(values[row]) + "</td>";
-      if (source->name != "fem")
-        rows += html("<td>{}</td>", !source->answers(row) ? "–"
-                                    : source->valid[row]  ? "yes"
-                                                          : "no");
+      rows += html("<td>{}</td>", !source->answers(row) ? "–" : source->valid[row] ? "yes" : "no");
     }
     if (any_failure) rows += html("<td class=\"words\">{}</td>", table.failures[row]);
     rows += "</tr>\n";

@@ -80,8 +80,9 @@ PlannedCase planned(input::Case reference, bool quick) {
 }
 
 /// Runs what is not finished yet. @returns 0 or the signal that interrupted.
-int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
+int run_pending(const std::vector<LoadRun*>& runs, const CompareOptions& options,
                 system::Progress& progress) {
+  if (runs.empty()) return 0;
   reference::FemJobOptions settings;
   settings.program = system::fem_program().string();
   settings.identity = reference::program_identity(settings.program);
@@ -92,7 +93,7 @@ int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
   std::vector<std::size_t> order(runs.size());
   std::iota(order.begin(), order.end(), 0);
   const auto key = [&](std::size_t run) {
-    return std::tuple(runs[run].case_index, runs[run].idealised, -runs[run].load_N);
+    return std::tuple(runs[run]->case_index, runs[run]->idealised, -runs[run]->load_N);
   };
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t left, std::size_t right) { return key(left) < key(right); });
@@ -100,18 +101,19 @@ int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
   std::size_t previous = 0;
   for (const std::size_t i : order) {
     reference::FemJob job;
-    job.title = runs[i].title();
-    job.problem = runs[i].problem;
-    job.file = runs[i].folder / "result.json";
-    if (runs[i].idealised.empty()) job.output_directory = runs[i].folder;
-    const bool next = !jobs.empty() && (runs[i].case_index != runs[previous].case_index ||
-                                        runs[i].idealised != runs[previous].idealised);
+    const LoadRun& run = *runs[i];
+    job.title = run.title();
+    job.problem = run.problem;
+    job.file = run.folder / "result.json";
+    if (run.idealised.empty()) job.output_directory = run.folder;
+    const bool next = !jobs.empty() && (run.case_index != runs[previous]->case_index ||
+                                        run.idealised != runs[previous]->idealised);
     job.group = jobs.empty() ? 0 : jobs.back().group + next;
     previous = i;
     jobs.push_back(std::move(job));
   }
   const auto run_of = [&](const reference::FemJob& job) -> LoadRun& {
-    return runs[order[static_cast<std::size_t>(&job - jobs.data())]];
+    return *runs[order[static_cast<std::size_t>(&job - jobs.data())]];
   };
   const std::vector<const reference::FemJob*> pending = reference::pending_fem_jobs(
       jobs, settings, progress,
@@ -137,6 +139,24 @@ int run_pending(std::vector<LoadRun>& runs, const CompareOptions& options,
   return signal;
 }
 
+/// The references first: what each idealisation costs is asked only where there is one to compare
+/// with. @returns 0 or the signal that interrupted
+int run_references_then_idealised(std::vector<LoadRun>& runs, const CompareOptions& options,
+                                  system::Progress& progress) {
+  std::vector<LoadRun*> references, idealised;
+  for (LoadRun& run : runs)
+    if (run.idealised.empty()) references.push_back(&run);
+  if (const int signal = run_pending(references, options, progress); signal != 0) return signal;
+  bool has_reference = false;  // the idealised runs of a load follow it
+  for (LoadRun& run : runs) {
+    if (run.idealised.empty())
+      has_reference = run.reference.has_value();
+    else if (has_reference)
+      idealised.push_back(&run);
+  }
+  return run_pending(idealised, options, progress);
+}
+
 /// Solves once more, one level finer, what states a larger error than its limits. Where that fails,
 /// the coarser result stays. @returns 0 or the signal that interrupted
 int refine_doubted(std::vector<LoadRun>& runs, const CompareOptions& options,
@@ -145,7 +165,7 @@ int refine_doubted(std::vector<LoadRun>& runs, const CompareOptions& options,
   std::vector<LoadRun*> doubted;
   for (LoadRun& run : runs) {
     if (!run.idealised.empty() || !run.reference || run.problem.level == kFinestLevel ||
-        reference::is_trusted(run.reference->error))
+        reference::are_elements_trusted(run.reference->error))
       continue;
     doubted.push_back(&run);
     finer.push_back(run);
@@ -159,7 +179,9 @@ int refine_doubted(std::vector<LoadRun>& runs, const CompareOptions& options,
       "softfinger: {} FEM result{} less accurate than {}: solved once more, one level "
       "finer",
       finer.size(), finer.size() == 1 ? " is" : "s are", reference::trust_limits_in_words()));
-  const int signal = run_pending(finer, options, progress);
+  std::vector<LoadRun*> all;
+  for (LoadRun& run : finer) all.push_back(&run);
+  const int signal = run_pending(all, options, progress);
   for (std::size_t i = 0; i < finer.size(); ++i)
     if (finer[i].reference) *doubted[i] = std::move(finer[i]);
   return signal;
@@ -312,8 +334,9 @@ std::string answer_in_words(const SuiteComparison& suite, const fs::path& output
     answer += fmt::format("{}: {}\n", compared.contact_case->id, compared.verdict.sentence);
   if (!is_trusted_everywhere(suite))
     answer += fmt::format(
-        "At least one FEM result failed or is less accurate than its stated limits ({}).\n",
-        reference::trust_limits_in_words());
+        "At least one FEM result failed, is less accurate than its stated limits ({}), or its mesh "
+        "leaves more than {:g} % open.\n",
+        reference::trust_limits_in_words(), 100 * reference::kTrustLimits.geometry);
   return answer + fmt::format("Report: {}\n", fs::absolute(output / "report.html").string());
 }
 
@@ -343,7 +366,7 @@ int compare(const CompareOptions& options) {
   for (const PlannedCase& plan : cases)
     for (const std::string& remark : prediction::power_law_remarks(plan.reference))
       progress.say("softfinger: " + plan.reference.id + ": " + remark);
-  int signal = run_pending(runs, options, progress);
+  int signal = run_references_then_idealised(runs, options, progress);
   if (signal == 0) signal = refine_doubted(runs, options, progress);
   if (signal != 0) return 128 + signal;
 

@@ -68,7 +68,7 @@ json to_json(const ModelComparison& model) {
 json reference_json(const Comparison& load) {
   if (!load.reference) return nullptr;
   json object = load.reference->document;
-  object["trusted"] = reference::is_trusted(load.reference->error);
+  object["trusted"] = reference::is_trusted(*load.reference);
   object["vtu"] = nullptr;
   if (load.reference->vtu_file) {
     // The page lies in the output folder: a link must not depend on where that folder is.
@@ -245,7 +245,7 @@ std::string contact_cells(const Comparison& load) {
 std::string reference_row(const Comparison& load) {
   const reference::ReferenceResult& result = *load.reference;
   const reference::ReferenceErrors& error = result.error;
-  return contact_cells(load) + ",fem," + (reference::is_trusted(error) ? "yes" : "no") +
+  return contact_cells(load) + ",fem," + (reference::is_trusted(result) ? "yes" : "no") +
          cells({result.a_m, result.b_m, result.axis_rad, result.indentation_m,
                 result.peak_pressure_Pa, result.area_m2, result.area_projected_m2,
                 result.max_torque_Nm, result.eccentricity_m}) +
@@ -279,7 +279,7 @@ std::string model_row(const Comparison& load, const ModelComparison& model, bool
 bool is_trusted_everywhere(const SuiteComparison& suite) {
   for (const CaseComparison& compared : suite.cases)
     for (const Comparison& load : compared.loads)
-      if (!load.reference || !reference::is_trusted(load.reference->error)) return false;
+      if (!load.reference || !reference::is_trusted(*load.reference)) return false;
   return true;
 }
 

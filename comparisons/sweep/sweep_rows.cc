@@ -11,6 +11,8 @@
 
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/prediction/ask_model.h"
+#include "comparisons/reference/full_reference.h"
+#include "comparisons/reference/theory_limits.h"
 #include "comparisons/text/csv.h"
 #include "softfinger/friction/friction_ellipsoid.h"
 #include "softfinger/input/errors.h"
@@ -25,6 +27,8 @@ using nlohmann::json;
 constexpr const char* kQuantities[] = {
     "a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm"};
 constexpr const char* kErrors[] = {"a", "b", "indentation", "peak_pressure", "area", "max_torque"};
+/// Both of the finite elements, and whether their theory holds.
+constexpr std::size_t kFemColumns = std::size(kQuantities) + std::size(kErrors) + 1;
 
 void append_number(double value, std::string& text) {
   text += ',';
@@ -96,6 +100,7 @@ std::string SweepRows::header() const {
   if (sweep_.fem()) {
     for (const char* quantity : kQuantities) text += std::string(",fem_") + quantity;
     for (const char* error : kErrors) text += std::string(",fem_error_") + error;
+    text += ",fem_valid";
   }
   return text + ",failure\n";
 }
@@ -106,7 +111,7 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
   std::string start = std::to_string(point);
   for (const double value : values_) append_exact(value, start);
   const std::size_t loads = sweep_.base().loads_N.size();
-  const std::size_t commas = 2 + 7 * models_.size() + (sweep_.fem() ? 12 : 0);
+  const std::size_t commas = 2 + 7 * models_.size() + (sweep_.fem() ? kFemColumns : 0);
   const auto append_failure = [&](const InputError& error, const std::vector<double>* loads_N) {
     const std::string words = error.field() + (error.value().empty() ? "" : " = " + error.value()) +
                               (error.allowed().empty() ? "" : ": allowed: " + error.allowed());
@@ -162,11 +167,13 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
         if (job >= 0)
           result = reference::finished_result(fem->jobs[std::size_t(job)], fem->settings).result;
         if (!result) {
-          text.append(12, ',');
+          text.append(kFemColumns, ',');
           failure = job < 0 ? "" : failures[std::size_t(job)];
           if (failure.empty()) failure = "no finite-element result";
         } else {
           append_reference(*result, text);
+          const input::Case solved = reference::with_full_reference(contact_case, resolver, {});
+          text += reference::theory_limits(solved, geometry, *result).holds() ? ",yes" : ",no";
         }
       }
       text += failure.empty() ? ",\n" : "," + text_cell(failure) + "\n";
@@ -180,8 +187,9 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
 std::vector<std::optional<SweepRows::FemRequest>> SweepRows::fem_requests(std::size_t point) {
   std::vector<std::optional<FemRequest>> requests(sweep_.base().loads_N.size());
   try {
-    const input::Case contact_case = cases_.at(point);
-    const prediction::GeometryResolver resolver(contact_case, &geometry_);
+    const input::Case typed = cases_.at(point);
+    const prediction::GeometryResolver resolver(typed, &geometry_);
+    const input::Case contact_case = reference::with_full_reference(typed, resolver, {});
     for (std::size_t load = 0; load < requests.size(); ++load) {
       const double load_N = contact_case.loads_N[load];
       const prediction::LocalGeometry geometry = resolver.resolve(load_N);

@@ -48,8 +48,8 @@ class SweepRows {
     reference::FemProblem problem;
     double weight = 0;  ///< a rough estimate of the cost
   };
-  /// What the finite elements are asked, one request per load; none where the bodies make no
-  /// contact.
+  /// What the finite elements are asked, the case's full reference, one request per load; none
+  /// where the bodies make no contact.
   std::vector<std::optional<FemRequest>> fem_requests(std::size_t point);
 
  private:

@@ -103,6 +103,41 @@ std::array<int, count> sorted(std::array<int, count> vertices) {
   return vertices;
 }
 
+/// Where the z axis meets a triangle.
+std::optional<double> height_on_axis(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                     const Eigen::Vector3d& c) {
+  const auto twice_area = [](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+    return from.x() * to.y() - from.y() * to.x();
+  };
+  const Eigen::Vector3d parts(twice_area(b, c), twice_area(c, a), twice_area(a, b));
+  const double whole = parts.sum();
+  constexpr double rounding = 1e-9;  // the axis may run along an edge
+  if (whole == 0 || (parts / whole).minCoeff() < -rounding) return std::nullopt;
+  return (parts.x() * a.z() + parts.y() * b.z() + parts.z() * c.z()) / whole;
+}
+
+/// The highest place where the z axis meets the faces.
+std::optional<double> highest_on_axis(const HexahedralMesh& mesh,
+                                      const std::vector<std::array<int, 4>>& faces) {
+  std::optional<double> highest;
+  for (const std::array<int, 4>& face : faces) {
+    const auto at = [&](std::size_t corner) -> const Eigen::Vector3d& {
+      return mesh.vertices[static_cast<std::size_t>(face[corner])];
+    };
+    for (const auto& height :
+         {height_on_axis(at(0), at(1), at(2)), height_on_axis(at(0), at(2), at(3))})
+      if (height && !(highest > height)) highest = height;
+  }
+  return highest;
+}
+
+std::optional<double> thickness_under_contact(const LayerMesh& layer) {
+  const auto top = highest_on_axis(layer.hexahedra, layer.contact),
+             bottom = highest_on_axis(layer.hexahedra, layer.core);
+  if (!top || !bottom || !(*top > *bottom)) return std::nullopt;
+  return *top - *bottom;
+}
+
 }  // namespace
 
 LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit,
@@ -177,6 +212,7 @@ LayerMesh read_layer_mesh(const std::string& path, double metres_per_unit,
       chosen.push_back(face);
     }
   }
+  result.thickness_m = thickness_under_contact(result);
   return result;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct LayerMesh {
   /// Faces by their vertices, in order around the face: where an object can touch, and where the
   /// layer is bonded to the rigid core. All other faces are free.
   std::vector<std::array<int, 4>> contact, core;
+  /// How thick it is under the contact: between both on the z axis. None where one of them does not
+  /// cross it.
+  std::optional<double> thickness_m;
 };
 
 /// Reads a gmsh file (see meshes/io/read_msh.h) with the physical groups "layer" (a volume),

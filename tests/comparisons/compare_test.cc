@@ -363,6 +363,19 @@ TEST_F(Compare, SolvesWhatTheLadderNeedsBesideTheReference) {
             std::string::npos);
 }
 
+TEST_F(Compare, AsksForNoIdealisationOfAReferenceThatFailed) {
+  start.environment.push_back("FAKE_FEM_CRASH_N=5");
+  EXPECT_EQ(compare_in_full().status, 1);
+  // Each at finite strain, then 1 N in linear theory.
+  std::vector<double> loads_N;
+  for (const std::string& line : lines(file_text(log))) {
+    std::istringstream words(line);
+    std::string name;
+    words >> name >> loads_N.emplace_back();
+  }
+  EXPECT_EQ(loads_N, (std::vector<double>{5, 1, 1}));
+}
+
 TEST_F(Compare, LosesOnlyTheLoadThatCrashes) {
   two_loads = folder.write("two.toml", case_text("three", "[1.0, 3.0, 5.0]"));
   start.environment.push_back("FAKE_FEM_CRASH_N=3");

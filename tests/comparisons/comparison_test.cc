@@ -281,7 +281,7 @@ TEST(TrustLimits, BoundEachOfTheFourErrors) {
     error.b = b;
     error.indentation = indentation;
     error.max_torque = torque;
-    return reference::is_trusted(error);
+    return reference::are_elements_trusted(error);
   };
   EXPECT_TRUE(is_trusted(0.02, 0.02, 0.01, 0.01));
   EXPECT_FALSE(is_trusted(0.0201, 0.02, 0.01, 0.01));
@@ -289,8 +289,25 @@ TEST(TrustLimits, BoundEachOfTheFourErrors) {
   EXPECT_FALSE(is_trusted(0.02, 0.02, 0.0101, 0.01));
   EXPECT_FALSE(is_trusted(0.02, 0.02, 0.01, 0.0101));
   EXPECT_FALSE(is_trusted(0, 0, 0, NAN));
-  EXPECT_FALSE(reference::is_trusted({})) << "errors that are not stated";
+  EXPECT_FALSE(reference::are_elements_trusted({})) << "errors that are not stated";
   EXPECT_EQ(reference::trust_limits_in_words(), "2 % in a and b, 1 % in indentation and torque");
+}
+
+TEST(TrustLimits, CountWhatAScanLeavesOpen) {
+  reference::ReferenceResult result;
+  result.error.a = result.error.b = result.error.indentation = result.error.max_torque = 0.001;
+  EXPECT_TRUE(reference::is_trusted(result));
+  EXPECT_EQ(reference::largest_geometry_error(result), 0) << "exact bodies";
+  reference::ReferenceErrors& open = result.geometry_error.emplace();
+  open.a = open.b = open.area = open.max_torque = 0.1;
+  EXPECT_TRUE(reference::is_trusted(result));
+  open.area = 0.23;
+  EXPECT_EQ(reference::largest_geometry_error(result), 0.23);
+  EXPECT_FALSE(reference::is_trusted(result));
+  EXPECT_TRUE(reference::are_elements_trusted(result.error)) << "finer ones do not help";
+  result.geometry_error.reset();
+  result.is_geometry_unknown = true;
+  EXPECT_FALSE(reference::is_trusted(result));
 }
 
 TEST(SuiteReport, PrintsTheExactTorqueAndThePapersBesideIt) {

@@ -63,7 +63,7 @@ TEST_F(FemProgram, EndsInWordsWhereMemoryIsShort) {
     const std::string command =
         "cd " + folder.path().string() + " && ulimit -v " + std::to_string(limit_kB) +
         " && SOFTFINGER_FEM_PROGRAM=" SOFTFINGER_FEM " timeout 120 " SOFTFINGER_PROGRAM " fem " +
-        file + " --level 1 > out 2> err";
+        file + " --level 1 --linear > out 2> err";
     const int status = std::system(command.c_str());
     ASSERT_TRUE(WIFEXITED(status));
     EXPECT_NE(WEXITSTATUS(status), 124) << "it hangs with " << limit_kB << " kB";
@@ -87,8 +87,102 @@ TEST_F(FemProgram, AnswersWithTheContractsKeysAndItsErrors) {
   for (const char* key : {"a", "b", "area", "indentation", "peak_pressure", "max_torque"}) {
     EXPECT_GT(answer["error"][key], 0) << key;
     EXPECT_LT(answer["error"][key], 0.1) << key;
+    EXPECT_EQ(answer["error_bound"][key], answer["error"][key]) << key;
   }
   EXPECT_EQ(answer["coarse"], false);
+  EXPECT_EQ(answer["geometry"], "flat") << "of relative radii no one knows more";
+  EXPECT_EQ(answer["kinematics"], "finite");
+  EXPECT_EQ(answer["pressing"], "frictionless");
+  EXPECT_EQ(answer["valid"], true);
+  EXPECT_FALSE(answer.contains("error_estimate"));
+}
+
+constexpr const char* kRadii = "relative_radii_mm = [20.0, 10.0]";
+constexpr const char* kBodies =
+    "finger = { radii_mm = [20.0, 10.0] }\nobject = { radii_mm = [inf, inf] }";
+
+TEST_F(FemProgram, SolvesTheFingerItselfAtFiniteStrainUnlessLessIsAskedFor) {
+  const std::string file = write_case({{kRadii, kBodies}});
+  const json finger = solve({file}), less = solve({file, "--flat", "--linear"});
+  EXPECT_EQ(finger["geometry"], "curved");
+  EXPECT_EQ(finger["kinematics"], "finite");
+  EXPECT_EQ(less["geometry"], "flat");
+  EXPECT_EQ(less["kinematics"], "linear");
+  EXPECT_EQ(solve({file, "--flat"})["kinematics"], "finite");
+  EXPECT_EQ(solve({file, "--linear"})["geometry"], "curved");
+  for (const auto& [key, quantity] : {std::pair("a_m", "a"),
+                                      {"b_m", "b"},
+                                      {"indentation_m", "indentation"},
+                                      {"max_torque_Nm", "max_torque"}}) {
+    EXPECT_EQ(finger["error_bound"][quantity], finger["error"][quantity]) << quantity;
+    const double off = std::abs(less[key].get<double>() / finger[key].get<double>() - 1);
+    EXPECT_LT(off, less["error_bound"][quantity].get<double>() +
+                       finger["error_bound"][quantity].get<double>())
+        << quantity;
+    EXPECT_GT(less["error_bound"][quantity], less["error"][quantity])
+        << "a flat layer is not the finger: " << quantity;
+  }
+  EXPECT_TRUE(solve({file, "--flat"})["error_bound"].is_null()) << "which nobody knows";
+  const std::string typed = write_case(
+      {{kRadii, kBodies},
+       {"friction_coefficient = 0.8",
+        "friction_coefficient = 0.8\n[fem]\ngeometry = \"flat\"\nkinematics = \"linear\"\n"}});
+  EXPECT_EQ(solve({typed})["max_torque_Nm"], less["max_torque_Nm"]) << "the case's own choice";
+}
+
+TEST_F(FemProgram, BeginsWithItsAnswerAndSaysWhatItSolved) {
+  const std::string file = write_case({{kRadii, kBodies}, {"= 1.0", "= [1.0, 2.0]"}});
+  const ProgramRun run = run_softfinger(start, {"fem", file, "--level", "1"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const auto said = lines(run.out);
+  for (const std::size_t load : {0, 1}) {
+    EXPECT_EQ(said[load].rfind("max torque ", 0), 0u) << said[load];
+    EXPECT_NE(said[load].find(load == 0 ? "at 1 N: finite elements of the finger itself at finite "
+                                          "strain"
+                                        : "at 2 N: "),
+              std::string::npos)
+        << said[load];
+    EXPECT_NE(said[load].find(" %, contact "), std::string::npos) << said[load];
+  }
+  EXPECT_NE(run.out.find("finite elements: the finger itself (curved, R 20 and 10 mm), finite "
+                         "strain, neo-Hookean, Q2/P1 elements of level 1"),
+            std::string::npos)
+      << run.out;
+  const ProgramRun less =
+      run_softfinger(start, {"fem", file, "--level", "1", "--flat", "--linear"});
+  EXPECT_NE(lines(less.out)[0].find("finite elements of a flat layer in linear theory"),
+            std::string::npos)
+      << less.out;
+  EXPECT_NE(less.out.find("finite elements: a flat layer under the relative radii, linear "
+                          "elasticity, Q2/P1"),
+            std::string::npos)
+      << less.out;
+}
+
+TEST_F(FemProgram, SaysWhereLinearTheoryEnds) {
+  const std::string file = write_case();
+  const json strained = solve({file, "--linear", "--approach-mm", "1.9"});
+  EXPECT_EQ(strained["valid"], false);
+  EXPECT_TRUE(strained["error_bound"].is_null());
+  bool is_named = false;
+  for (const json& check : strained["validity"]) {
+    if (check["check"] != "small_strain") continue;
+    is_named = true;
+    EXPECT_NEAR(check["value"], 0.95, 1e-6);
+    EXPECT_LE(check["limit"], 0.3);
+    EXPECT_EQ(check["holds"], false);
+    EXPECT_NE(check["message"], "");
+  }
+  EXPECT_TRUE(is_named) << strained["validity"];
+  const ProgramRun run =
+      run_softfinger(start, {"fem", file, "--level", "1", "--linear", "--approach-mm", "1.9"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::string said = lines(run.out)[0];
+  EXPECT_NE(said.find("(± not known)"), std::string::npos) << said;
+  EXPECT_NE(said.find("pressed by 1.9 mm"), std::string::npos) << said;
+  EXPECT_NE(said.find("NOT VALID: beyond linear theory: small_strain 0.95, holds below 0.3"),
+            std::string::npos)
+      << said;
 }
 
 TEST_F(FemProgram, BoundsOfTheAtlasHoldForContactsThatItHasNotSeen) {
@@ -138,7 +232,7 @@ TEST_F(FemProgram, ExpectsTheClosedFormsSizeWhichSavesATrialMeshAndDecidesNothin
                                         "sed 's/\"size_hint_m\":\\[[^]]*\\],\\{0,1\\}//' |\n"
                                         "exec " SOFTFINGER_FEM " -\n");
   fs::permissions(deaf, fs::perms::owner_all);
-  const std::vector<std::string> arguments{"fem", "elongated_3", "--json"};
+  const std::vector<std::string> arguments{"fem", "elongated_3", "--linear", "--json"};
   const ProgramRun hinted = run_softfinger(start, arguments);
   start.environment = {"SOFTFINGER_FEM_PROGRAM=" + deaf};
   const ProgramRun guessed = run_softfinger(start, arguments);
@@ -167,8 +261,8 @@ TEST_F(FemProgram, ExpectsTheClosedFormsSizeWhichSavesATrialMeshAndDecidesNothin
 
 TEST_F(FemProgram, PressesByApproach) {
   const std::string file = write_case();
-  const double approach_m = solve({file})["indentation_m"];
-  const json answer = solve({file, "--approach-mm", std::to_string(1e3 * approach_m)});
+  const double approach_m = solve({file, "--linear"})["indentation_m"];
+  const json answer = solve({file, "--linear", "--approach-mm", std::to_string(1e3 * approach_m)});
   // Six digits after the point of a tenth of a millimetre, and the stated errors.
   EXPECT_NEAR(answer["load_N"], 1, 1e-5 + 4 * answer["error"]["load"].get<double>());
   EXPECT_EQ(answer["error"]["indentation"], 0);
@@ -176,7 +270,7 @@ TEST_F(FemProgram, PressesByApproach) {
 
 TEST_F(FemProgram, AnswersEveryLoadInOrderOnSharedMeshes) {
   const std::string file = write_case({{"= 1.0", "= [0.8, 1.0, 0.1]"}});
-  const ProgramRun run = run_softfinger(start, {"fem", file, "--level", "2", "--json"});
+  const ProgramRun run = run_softfinger(start, {"fem", file, "--linear", "--level", "2", "--json"});
   ASSERT_EQ(run.status, 0) << run.err;
   const json results = json::parse(run.out)["results"];
   ASSERT_EQ(results.size(), 3u);
@@ -194,9 +288,11 @@ TEST_F(FemProgram, AnswersEveryLoadInOrderOnSharedMeshes) {
 }
 
 TEST_F(FemProgram, TwistsToFullSlipAndWritesEachState) {
+  // A surface's compliance is that of a flat layer in linear theory, without being asked to.
   const json answer =
       solve({write_case(), "--torsion", "--increments", "6", "--output",
              (folder.path() / "vtu").string(), "--export-compliance", "surface.bin"});
+  EXPECT_EQ(answer["kinematics"], "linear");
   ASSERT_EQ(answer["torsion"].size(), 6u);
   double last = 0;
   for (const json& state : answer["torsion"]) {
@@ -222,7 +318,7 @@ TEST_F(FemProgram, TwistsToFullSlipAndWritesEachState) {
 }
 
 TEST_F(FemProgram, DrawsALimitSurface) {
-  const json answer = solve({write_case(), "--limit-surface", "5"});
+  const json answer = solve({write_case(), "--linear", "--limit-surface", "5"});
   ASSERT_EQ(answer["limit_surface"].size(), 5u);
   const double torque_Nm = answer["max_torque_Nm"], force_N = 0.8;
   const double error = answer["error"]["limit_surface"];
@@ -238,11 +334,8 @@ TEST_F(FemProgram, BendsTheLayerOntoTheFinger) {
   const std::string bodies =
       "[geometry.finger]\nshape = \"ellipsoid\"\nradii_mm = [20.0, 10.0]\n"
       "[geometry.object]\nradii_mm = [inf, inf]\n";
-  const json flat = solve({write_case({{geometry, bodies}})});
-  const json curved = solve({write_case({{geometry, bodies},
-                                         {"friction_coefficient = 0.8",
-                                          "friction_coefficient = 0.8\n[fem]\n"
-                                          "geometry = \"curved\""}})});
+  const std::string file = write_case({{geometry, bodies}});
+  const json flat = solve({file, "--flat", "--linear"}), curved = solve({file, "--linear"});
   // A convex layer is softer, and its contact larger by less (fem/README.md).
   EXPECT_GT(curved["indentation_m"], flat["indentation_m"]);
   EXPECT_GT(curved["a_m"], flat["a_m"]);
@@ -285,7 +378,9 @@ TEST_F(FemProgram, TakesAUsersMeshOfTheLayer) {
   folder.write("layer.msh", layer_mesh("core"));
   const json meshed =
       solve({write_case({{mu, mu + "\n[fem]\nmesh = \"layer.msh\"\nmesh_unit = \"mm\""}})});
-  const json flat = solve({write_case()});
+  EXPECT_EQ(meshed["geometry"], "mesh");
+  EXPECT_EQ(meshed["kinematics"], "linear");
+  const json flat = solve({write_case(), "--linear"});
   for (const auto& [key, error] : {std::pair{"a_m", "a"}, {"max_torque_Nm", "max_torque"}})
     EXPECT_NEAR(meshed[key].get<double>() / flat[key].get<double>(), 1,
                 meshed["error"][error].get<double>() + flat["error"][error].get<double>() +
@@ -295,6 +390,20 @@ TEST_F(FemProgram, TakesAUsersMeshOfTheLayer) {
   expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"layer.msh\""}})}, "\"core\" is missing");
   expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh = \"no.msh\""}})}, "no.msh");
   expect_refusal({write_case({{mu, mu + "\n[fem]\nmesh_unit = \"inch\""}})}, "mesh_unit");
+}
+
+TEST_F(FemProgram, RefusesAMeshOfAnotherThicknessThanTheCases) {
+  const std::string mu = "friction_coefficient = 0.8";
+  folder.write("layer.msh", layer_mesh("core"));
+  const auto of_thickness = [&](const char* thickness_mm) {
+    return write_case({{"thickness_mm = 2.0", std::string("thickness_mm = ") + thickness_mm},
+                       {mu, mu + "\n[fem]\nmesh = \"layer.msh\""}});
+  };
+  expect_refusal({of_thickness("3.0")},
+                 "layer.msh: thickness under the contact = 2 mm: allowed: thickness_mm of the "
+                 "case, 3 mm");
+  expect_refusal({of_thickness("1.9")}, "thickness under the contact");
+  EXPECT_EQ(solve({of_thickness("2.03")})["geometry"], "mesh") << "as a drawing may say it";
 }
 
 TEST_F(FemProgram, RunsNothingThatAMeshFileOrItsNeighbourSays) {
@@ -350,7 +459,9 @@ TEST_F(FemProgram, RefusesBadInputInOneLine) {
   expect_refusal({file, "--approach-mm", "nan"}, "approach");
   expect_refusal({file, "--approach-mm", "inf"}, "approach");
   expect_refusal({file, "--increments", "0"}, "increments");
-  expect_refusal({write_case({{"= 1.0", "= 1e7"}})}, "load_N");
+  expect_refusal({write_case({{"= 1.0", "= 1e7"}}), "--linear"}, "load_N");
+  for (const char* limit : {"--fem-time-s", "--fem-memory-MB"})
+    expect_refusal({file, limit, "nan"}, limit);
   expect_refusal({write_case({{"= 1.0", "= -1"}})}, "load_N");
   expect_refusal({write_case({{"= 0.45", "= 0.51"}})}, "poisson_ratio");
   const std::string beneath_a_file = file + "/surface.bin";
@@ -359,7 +470,8 @@ TEST_F(FemProgram, RefusesBadInputInOneLine) {
 }
 
 TEST_F(FemProgram, StopsWithTheLevelThatIsFinished) {
-  const pid_t process = start_softfinger(start, {"fem", write_case(), "--level", "2", "--json"});
+  const pid_t process =
+      start_softfinger(start, {"fem", write_case(), "--linear", "--level", "2", "--json"});
   // Level 1 is done when level 2 is announced.
   const auto announced = [&] {
     return file_text(folder.path() / ".stderr").find("level 2: 8") != std::string::npos;
@@ -411,8 +523,8 @@ TEST_F(FemProgram, TakesSublayersAtSmallAndAtFiniteStrain) {
       "[layer]\nthickness_mm = 2.0\nyoungs_modulus_kPa = 300.0\npoisson_ratio = 0.45\n",
       "[[layer]]\nthickness_mm = 0.5\nyoungs_modulus_kPa = 900\npoisson_ratio = 0.45\n"
       "[[layer]]\nthickness_mm = 1.5\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n"};
-  const double homogeneous_m = solve({write_case()})["indentation_m"];
-  const double small_m = solve({write_case({sublayers})})["indentation_m"];
+  const double homogeneous_m = solve({write_case(), "--linear"})["indentation_m"];
+  const double small_m = solve({write_case({sublayers}), "--linear"})["indentation_m"];
   EXPECT_LT(small_m, 0.95 * homogeneous_m) << "under a skin three times as hard";
   const json finite =
       solve({write_case({sublayers,

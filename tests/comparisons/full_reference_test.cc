@@ -64,6 +64,34 @@ TEST(FullReference, IsWhatTheCaseChose) {
   EXPECT_FALSE(full(case_with(kBodies, 2, "mesh = \"layer.msh\"")).fem_curved);
 }
 
+TEST(FullReference, KnowsWhatACaseLeavesOutOfIt) {
+  const auto leaves_nothing_out = [](const input::Case& solved) {
+    return reference::is_full_reference(solved, prediction::GeometryResolver(solved));
+  };
+  const input::Case typed = case_with(kBodies, 2);
+  EXPECT_TRUE(leaves_nothing_out(full(typed)));
+  EXPECT_FALSE(leaves_nothing_out(full(typed, {true, false}))) << "linear";
+  EXPECT_FALSE(leaves_nothing_out(full(typed, {false, true}))) << "flat";
+  EXPECT_FALSE(leaves_nothing_out(full(case_with(kBodies, 2, "geometry = \"flat\""))));
+  EXPECT_FALSE(leaves_nothing_out(full(case_with(kBodies, 2, "mesh = \"layer.msh\""))))
+      << "in linear theory";
+  EXPECT_TRUE(leaves_nothing_out(full(case_with("relative_radii_mm = [20, 10]", 1))));
+  EXPECT_TRUE(
+      leaves_nothing_out(full(case_with("relative_radii_mm = [200, 100]", 1e-4), {true, true})))
+      << "where neither changes a number";
+}
+
+TEST(FullReference, JudgesByTheApproachWhereThatIsGiven) {
+  const input::Case typed = case_with("relative_radii_mm = [200, 100]", 1e-4);
+  const prediction::GeometryResolver geometry(typed);
+  const auto pressed_by = [&](double approach_m) {
+    return reference::with_full_reference(typed, geometry, {}, approach_m);
+  };
+  EXPECT_FALSE(full(typed).fem_finite) << "by its load";
+  EXPECT_TRUE(pressed_by(0.5e-3).fem_finite) << "a quarter of the layer";
+  EXPECT_FALSE(pressed_by(1e-6).fem_finite);
+}
+
 TEST(FullReference, TakesNoFlatFingerForAnEllipsoid) {
   const input::Case found =
       full(case_with("finger.radii_mm = [inf, inf]\nobject.sphere_radius_mm = 8", 2));

@@ -123,6 +123,16 @@ TEST(Verdict, TellsWhenTheReferenceFailedOrIsDoubtful) {
   EXPECT_TRUE(contains(verdict.sentence, "FEM failed at 5 N")) << verdict.sentence;
 }
 
+TEST(Verdict, TellsWhenTheMeshLeavesTheReferenceOpen) {
+  judgement::LoadErrors open = load(2, {{"hertz", true, true, 0.01, 0.01}});
+  open.fem_trusted = false;
+  open.fem_geometry_error = 0.23;
+  const judgement::Verdict verdict = judgement::compose_verdict({open}, kTolerance, kReference);
+  EXPECT_TRUE(contains(verdict.sentence, "the mesh leaves the FEM's own answer open at 2 N"))
+      << verdict.sentence;
+  EXPECT_FALSE(contains(verdict.sentence, "own error is too large")) << verdict.sentence;
+}
+
 TEST(Verdict, IsSilentOnAModelThatTheCaseGivesNoDataFor) {
   judgement::ModelError without_data{"power_law", true, true, 0.9, 0.8};
   without_data.applicable = false;

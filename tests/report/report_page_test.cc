@@ -387,6 +387,20 @@ TEST(Scoring, ReadsTheReferencesErrorsAndWhetherItIsTrusted) {
   EXPECT_EQ(summary.worst_torque_error, 0.05);
 }
 
+TEST(Scoring, ReadsWhatTheReferencesOwnMeshLeavesOpen) {
+  Json report = one_case({{0.02, true}, {0.02, true}, {0.02, true}});
+  Json& loads = report["cases"][0]["loads"];
+  loads[1]["fem"]["geometry_error"] = {
+      {"a", 0.05}, {"b", 0.04}, {"area", 0.23}, {"max_torque", 0.1}};
+  const auto worst = [&] {
+    return judgement::reference_summary(compared_cases(report), tolerance(report))
+        .worst_geometry_error;
+  };
+  EXPECT_EQ(worst(), 0.23);
+  loads[2]["fem"]["geometry_error"] = nullptr;
+  EXPECT_TRUE(std::isinf(worst())) << "a reading could not be pressed";
+}
+
 TEST(Scoring, NamesTheQuantityAndTheLoadOfTheWorstError) {
   const Json report = one_case({{0.02, true}, {-0.05, false}});
   const auto best = judgement::best_model(compared_case(report["cases"][0]), tolerance(report));

@@ -17,7 +17,7 @@ bool read(std::string_view bytes) {
     const reference::FinishedResult finished =
         reference::parse_finished_result(std::string(bytes), kProgram, problem());
     if (!finished.result) return false;
-    reference::is_trusted(finished.result->error);
+    reference::is_trusted(*finished.result);
     finished.result->document.dump();
     return true;
   } catch (const InputError&) {
