@@ -44,7 +44,7 @@ ReferenceBound bound_of(const SolvedReference& solved) {
       assess(contact_case, solved.geometry,
              prediction::ask_model(*find_pressure_model("bonded_layer"), contact_case,
                                    solved.geometry, solved.result.load_N, 0),
-             prediction::TorqueRule::exact, 1);
+             prediction::TorqueRule::exact, prediction::Demand{});
   if (!layer.known())
     return {std::nullopt,
             "how far a flat layer in linear theory is from the finger itself is not known: " +
