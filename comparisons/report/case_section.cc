@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "comparisons/exporting/mujoco_friction.h"
-#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/fit_section.h"
 #include "comparisons/report/ladder_section.h"
+#include "comparisons/report/report_json.h"
 #include "comparisons/report/style.h"
 
 namespace softfinger::report {
@@ -229,7 +229,7 @@ Html patch_table(const Json& load) {
                  note + fit_pictures(load) + table);
 }
 
-Html reference_details(const Json& load) {
+Html reference_details(const Json& load, const judgement::LoadErrors& errors) {
   const Json& fem = child(load, "fem");
   if (fem.is_null()) return "";
   const Json& error = child(fem, "error");
@@ -291,7 +291,7 @@ Html reference_details(const Json& load) {
   }
   return details(html("Can this reference be trusted? {}: torque {}, a {}, b {}",
                       flag(fem, "trusted") ? Html("Yes")
-                      : compared_load(load).fem_geometry_error > reference::kTrustLimits.geometry
+                      : errors.fem_geometry_error > reference::kTrustLimits.geometry
                           ? Html("<b>No</b>, its mesh leaves too much open")
                           : "<b>Not yet</b>",
                       stated("max_torque"), stated("a"), stated("b")),
@@ -315,7 +315,7 @@ Html simulator_line(const Json& report_case, const Json& load) {
 }
 
 Html load_section(const Json& report, const Json& report_case, const Json& load,
-                  std::size_t index) {
+                  const judgement::LoadErrors& errors, std::size_t index) {
   const Json& geometry = child(load, "geometry");
   const Json& radii = child(geometry, "radii_m");
   const Json& deviations = child(geometry, "radii_std_m");
@@ -345,7 +345,7 @@ Html load_section(const Json& report, const Json& report_case, const Json& load,
              "<p class=\"facts\">{}</p>\n",
              index, newton(number(load, "load_N").value_or(0)), joined(facts, " · ")) +
          numbers_table(report, load) + ladder_section(load) + warnings(load) +
-         simulator_line(report_case, load) + reference_details(load) + patch_table(load) +
+         simulator_line(report_case, load) + reference_details(load, errors) + patch_table(load) +
          validity_table(report, load) + "</div>\n";
 }
 
@@ -416,7 +416,8 @@ Html layer_text(const Json& layer) {
               plain(number(layer, "poisson_ratio")));
 }
 
-Html case_section(const Json& report, const Json& report_case) {
+Html case_section(const Json& report, const Json& report_case,
+                  const judgement::CaseErrors& errors) {
   const Json& layer = child(report_case, "layer");
   const Json& loads = child(report_case, "loads");
   const std::string id = text(report_case, "id");
@@ -461,8 +462,8 @@ Html case_section(const Json& report, const Json& report_case) {
          chart("ellipsoid", "Friction ellipsoid.",
                "Largest torque that a tangential force leaves, f² + τ²/eₙ² = μ²P².") +
          "</div>\n";
-  std::size_t index = 0;
-  for (const Json& load : loads) out += load_section(report, report_case, load, index++);
+  for (std::size_t i = 0; i < errors.loads.size(); ++i)
+    out += load_section(report, report_case, loads[i], errors.loads[i], i);
   const std::string file = text(report_case, "file");
   if (!text(report_case, "case_toml").empty())
     out += details(html("Case file <code>{}</code>", file),

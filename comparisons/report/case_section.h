@@ -1,11 +1,13 @@
 #pragma once
 
+#include "comparisons/judgement/model_errors.h"
 #include "comparisons/report/html.h"
 
 namespace softfinger::report {
 
 /// One case: question, verdict, places for the charts, every number as a table.
-Html case_section(const Json& report, const Json& report_case);
+/// @param errors  of the same case
+Html case_section(const Json& report, const Json& report_case, const judgement::CaseErrors& errors);
 
 /// Fragment identifier of a case's section.
 std::string case_anchor(const Json& report_case);

@@ -7,7 +7,7 @@
 
 #include "comparisons/judgement/scoring.h"
 #include "comparisons/report/atlas_sections.h"
-#include "comparisons/report/compared_cases.h"
+#include "comparisons/report/report_json.h"
 #include "comparisons/report/style.h"
 
 namespace softfinger::report {
@@ -64,7 +64,8 @@ Json drawn_fem(const Json& fem) {
   return out;
 }
 
-Json drawn_model(const judgement::LoadErrors& load, const Json& model, double limit) {
+Json drawn_model(const judgement::LoadErrors& load, const judgement::ModelError& error,
+                 const Json& model, double limit) {
   Json out =
       copied(model, {"a_m", "b_m", "axis_rad", "max_torque_Nm", "max_torque_paper_Nm", "cost_ns"});
   out["model"] = text(model, "model");
@@ -73,7 +74,6 @@ Json drawn_model(const judgement::LoadErrors& load, const Json& model, double li
   out["hot_path"] = flag(model, "hot_path");
   out["relative_error"] =
       copied(child(model, "relative_error"), {"max_torque", "max_torque_paper"});
-  const judgement::ModelError error = compared_model(model);
   const auto worst = judgement::score(load, error);
   out["score"] = worst ? Json(rounded(worst->error, 8)) : Json();
   out["usable"] = judgement::judge(load, error, limit) == judgement::Judgement::usable;
@@ -84,15 +84,18 @@ Json drawn_model(const judgement::LoadErrors& load, const Json& model, double li
 
 }  // namespace
 
-Json chart_data(const Json& report) {
+Json chart_data(const Json& report, const std::vector<judgement::CaseErrors>& compared) {
   Json cases = Json::array();
-  for (const Json& report_case : child(report, "cases")) {
+  for (std::size_t i = 0; i < compared.size(); ++i) {
+    const Json& report_case = child(report, "cases")[i];
     Json loads = Json::array();
-    for (const Json& load : child(report_case, "loads")) {
+    for (std::size_t j = 0; j < compared[i].loads.size(); ++j) {
+      const Json& load = child(report_case, "loads")[j];
       Json models = Json::array();
-      const judgement::LoadErrors errors = compared_load(load);
-      for (const Json& model : child(load, "models"))
-        if (is_asked(model)) models.push_back(drawn_model(errors, model, tolerance(report)));
+      const judgement::LoadErrors& errors = compared[i].loads[j];
+      for (std::size_t k = 0; k < errors.models.size(); ++k)
+        if (const Json& model = child(load, "models")[k]; is_asked(model))
+          models.push_back(drawn_model(errors, errors.models[k], model, tolerance(report)));
       Json drawn = {{"load_N", number_or_null(load, "load_N")},
                     {"axis_rad", number_or_null(child(load, "geometry"), "axis_rad")},
                     {"s", number_or_null(child(load, "geometry"), "s")},

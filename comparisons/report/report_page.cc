@@ -15,11 +15,11 @@
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/case_section.h"
 #include "comparisons/report/chart_data.h"
-#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/experiments_page.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/page.h"
+#include "comparisons/report/report_json.h"
 #include "comparisons/report/style.h"
 
 namespace softfinger::report {
@@ -65,8 +65,10 @@ Html trust_sentence(const judgement::ReferenceSummary& reference, double toleran
               reference.trusted, reference.solved, numbers);
 }
 
-std::vector<judgement::Usability> usability(const Json& report) {
-  return judgement::usability(compared_cases(report), model_names(report), tolerance(report));
+using Cases = std::vector<judgement::CaseErrors>;
+
+std::vector<judgement::Usability> usability(const Json& report, const Cases& cases) {
+  return judgement::usability(cases, model_names(report), tolerance(report));
 }
 
 /// One load of one case, by its place in the report.
@@ -134,7 +136,7 @@ std::optional<Recommended> recommended(const std::vector<ComparedLoad>& loads, d
 }
 
 /// What shall I use for these contacts?
-Html answer(const Json& report, const std::vector<judgement::CaseErrors>& cases) {
+Html answer(const Json& report, const Cases& cases) {
   const double limit = tolerance(report);
   std::vector<ComparedLoad> open, unsolved, undetermined, none;
   for (const judgement::CaseErrors& one : cases)
@@ -147,7 +149,7 @@ Html answer(const Json& report, const std::vector<judgement::CaseErrors>& cases)
     const Html where = count == all        ? html("everywhere")
                        : sentences.empty() ? html("at {} of {}", count, plural(int(all), "load"))
                                            : html("for {}", names_of(use->usable_at));
-    sentences.push_back(html("Use <b>{}</b> {}: area and torque within {}.", label(use->model),
+    sentences.push_back(html("Use <b>{}</b> {}: contact and torque within {}.", label(use->model),
                              where, percent(use->worst)));
     std::vector<ComparedLoad> left;
     for (const ComparedLoad& one : open)
@@ -172,29 +174,35 @@ Html answer(const Json& report, const std::vector<judgement::CaseErrors>& cases)
 }
 
 /// The first paragraph says what to use, the second how sure that is.
-Html summary(const Json& report) {
-  const std::vector<judgement::CaseErrors> cases = compared_cases(report);
+Html summary(const Json& report, const Cases& cases) {
   const double limit = tolerance(report);
   const judgement::ReferenceSummary reference = judgement::reference_summary(cases, limit);
   Html out = "<p class=\"lead\">" + answer(report, cases) + "</p>\n";
   out += html("<p>{} at {}, compared with finite elements. {}", plural(reference.cases, "case"),
               plural(reference.loads, "load"), trust_sentence(reference, limit));
   std::vector<Html> models;
-  for (const judgement::Usability& use : usability(report))
+  for (const judgement::Usability& use : usability(report, cases))
     if (use.compared > 0) models.push_back(html("{} at {}", label(use.model), use.usable));
   if (reference.solved > 0)
     out += html(
-        " Of {}, these models are usable (area and torque within ±{}, and their assumptions hold): "
+        " Of {}, these models are usable (a, b, area and torque within ±{}, and their assumptions "
+        "hold): "
         "{}.",
         plural(reference.solved, "load") + " with a reference", plain(limit, 100) + " %",
         models.empty() ? "none" : joined(models, ", "));
   return out + "</p>\n";
 }
 
-Html overview_table(const Json& report) {
+const char* in_words(prediction::Quantity quantity) {
+  return quantity == prediction::Quantity::max_torque ? "torque"
+                                                      : prediction::kQuantityNames[int(quantity)];
+}
+
+Html overview_table(const Json& report, const Cases& cases) {
   Html rows;
-  for (const Json& report_case : child(report, "cases")) {
-    const auto best = judgement::best_model(compared_case(report_case), tolerance(report));
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const Json& report_case = child(report, "cases")[i];
+    const auto best = judgement::best_model(cases[i], tolerance(report));
     Html model = "–", error = "–";
     if (best) {
       model = model_key(report, best->model) +
@@ -203,8 +211,7 @@ Html overview_table(const Json& report) {
                    best->score.error > tolerance(report) ? "beyond"
                    : best->sound                         ? "within"
                                                          : "",
-                   percent(best->score.error),
-                   best->score.quantity == prediction::Quantity::area ? "area" : "torque",
+                   percent(best->score.error), in_words(best->score.quantity),
                    newton(best->score.load_N));
     }
     rows += html(
@@ -222,9 +229,9 @@ Html overview_table(const Json& report) {
          rows + "</tbody></table>\n";
 }
 
-Html usability_table(const Json& report) {
+Html usability_table(const Json& report, const Cases& cases) {
   Html rows;
-  for (const judgement::Usability& use : usability(report)) {
+  for (const judgement::Usability& use : usability(report, cases)) {
     if (use.compared == 0) continue;
     rows += html(
         "<tr><th scope=\"row\">{}</th><td>{} of {}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
@@ -298,7 +305,7 @@ Html how_to_read(const Json& report) {
       R"(<h2 id="reading">How to read this page</h2>
 <ul>
 <li>Lengths are in the contact frame: z along the normal, x along the long axis of the contact, so a ≥ b. A contact is described by its load P, the relative radii R′ ≥ R″, the layer (thickness h, Young’s modulus E, Poisson ratio ν) and friction μ.</li>
-<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model overestimates. A model is called usable where area and maximal torque are both within ±{} and the contact lies in the model’s own range.</li>
+<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model overestimates. A model is called usable where a, b, area and maximal torque are within ±{} and the contact lies in the model’s own range.</li>
 <li>The reference is the finger itself at finite strain, unless the case or the command asks for less: what a flat layer, small strain and small slopes cost a model is then part of its errors. “Beyond its limits, measured here” means just that.</li>
 <li>± behind an FEM value is the error that it states itself, from its last two meshes. A smaller difference says nothing about a model.</li>
 <li>“Outside its range” means that another assumption of the model fails, or one that this reference shares. A small error there can be a coincidence, where the error changes its sign. Such agreement does not make the model usable.</li>
@@ -350,7 +357,7 @@ Html case_filter(const Json& report) {
          "placeholder=\"e.g. seed, silicone, partly\"></label></p>\n";
 }
 
-Html report_body(const Json& report) {
+Html report_body(const Json& report, const Cases& cases) {
   const Html simulator = simulator_table(report), cards = model_cards(report);
   const Html speed = speed_accuracy_section(report);
   const Html finite_strain = finite_strain_section(report);
@@ -360,7 +367,8 @@ Html report_body(const Json& report) {
       "<header><h1>Soft-finger contact: which model holds?</h1>\n"
       "<p class=\"subtitle\">Contact ellipses and frictional torques of fast models, compared with "
       "finite elements</p>\n" +
-      summary(report) + "<nav><a href=\"#overview\">Overview</a> <a href=\"#cases\">Cases</a> " +
+      summary(report, cases) +
+      "<nav><a href=\"#overview\">Overview</a> <a href=\"#cases\">Cases</a> " +
       (simulator.empty() ? Html("") : "<a href=\"#simulator\">For a simulator</a> ") +
       (atlas
            ? Html("<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> ")
@@ -370,23 +378,27 @@ Html report_body(const Json& report) {
       "<a href=\"#reading\">How to read</a> " +
       (cards.empty() ? Html("") : "<a href=\"#models\">Models</a> ") +
       "<a href=\"#provenance\">Provenance</a></nav></header>\n";
-  out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(report) + overview_table(report) +
-         overview_charts() + usability_table(report) + "<h2 id=\"cases\">Case by case</h2>\n";
-  for (const Json& report_case : child(report, "cases")) out += case_section(report, report_case);
+  out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(report) +
+         overview_table(report, cases) + overview_charts() + usability_table(report, cases) +
+         "<h2 id=\"cases\">Case by case</h2>\n";
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    out += case_section(report, child(report, "cases")[i], cases[i]);
   return out + simulator + speed + validity_map_section(report) + error_causes_section(report) +
          finite_strain + experiments + how_to_read(report) + cards + provenance(report);
 }
 
 }  // namespace
 
-std::string render_report(const nlohmann::json& report) {
-  if (!child(report, "cases").is_array())
-    throw std::invalid_argument("report: no array \"cases\"; see comparisons/report/README.md");
+std::string render_report(const nlohmann::json& report, const Cases& cases) {
+  if (!child(report, "cases").is_array() || child(report, "cases").size() != cases.size())
+    throw std::invalid_argument(
+        "report: no array \"cases\" with an entry for each case; see "
+        "comparisons/report/README.md");
   return render_page(
       {"Soft-finger contact: models against finite elements",
        {embedded::report_css},
-       report_body(report),
-       chart_data(report),
+       report_body(report, cases),
+       chart_data(report, cases),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::report_js}});
 }
 

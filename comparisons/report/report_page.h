@@ -2,6 +2,9 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
+
+#include "comparisons/judgement/model_errors.h"
 
 namespace softfinger::report {
 
@@ -9,7 +12,11 @@ namespace softfinger::report {
 /// README.md of this folder. All text, verdicts and numbers are HTML; JavaScript adds the charts
 /// and the choice of a load. Values may be null or missing anywhere: they become dashes or words.
 ///
-/// @throws std::invalid_argument when `report` is not an object with an array `cases`
-std::string render_report(const nlohmann::json& report);
+/// @param cases  the errors of the same cases, in the report's order: what is usable is judged by
+///               them, not by the text of the report
+/// @throws std::invalid_argument when `report` is not an object with an array `cases`, or not with
+///         one for each of `cases`
+std::string render_report(const nlohmann::json& report,
+                          const std::vector<judgement::CaseErrors>& cases);
 
 }  // namespace softfinger::report

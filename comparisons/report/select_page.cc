@@ -9,9 +9,9 @@
 
 #include "comparisons/report/atlas_sections.h"
 #include "comparisons/report/case_section.h"
-#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
+#include "comparisons/report/report_json.h"
 #include "comparisons/report/style.h"
 #include "softfinger/input/constants.h"
 

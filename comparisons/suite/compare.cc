@@ -304,13 +304,26 @@ SuiteComparison compare_all(const std::vector<PlannedCase>& cases, std::vector<L
   return suite;
 }
 
+std::vector<judgement::CaseErrors> errors_of(const SuiteComparison& suite) {
+  std::vector<judgement::CaseErrors> cases;
+  for (const judgement::CaseComparison& compared : suite.cases) {
+    judgement::CaseErrors& errors = cases.emplace_back();
+    errors.id = compared.contact_case->id;
+    errors.poisson_ratio = compared.contact_case->layer.poisson_ratio;
+    for (const judgement::Comparison& load : compared.loads)
+      errors.loads.push_back(judgement::errors_of(load));
+  }
+  return cases;
+}
+
 void write_report(const SuiteComparison& suite, const fs::path& output) {
   json report = report_json(suite);
   const std::string text = text::printed(report);
   report.update(page_json(suite));
-  system::write_files_together({{output / "results.csv", results_csv(suite)},
-                                {output / "report.json", text},
-                                {output / "report.html", report::render_report(report)}});
+  system::write_files_together(
+      {{output / "results.csv", results_csv(suite)},
+       {output / "report.json", text},
+       {output / "report.html", report::render_report(report, errors_of(suite))}});
 }
 
 json answer_as_json(const SuiteComparison& suite, const fs::path& output) {

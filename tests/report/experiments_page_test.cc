@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "compared_cases.h"
 #include "comparisons/report/report_page.h"
 #include "sample_report.h"
 
@@ -54,9 +55,9 @@ TEST(ExperimentsPage, ReadsWhatIsMissingAsUnknown) {
 
 TEST(ExperimentsPage, IsASectionOfTheReport) {
   Json report = tests::sample_report();
-  EXPECT_EQ(render_report(report).find("id=\"experiments\""), std::string::npos);
+  EXPECT_EQ(tests::page_of(report).find("id=\"experiments\""), std::string::npos);
   report["experiments"] = sample("fails");
-  const std::string page = render_report(report);
+  const std::string page = tests::page_of(report);
   EXPECT_NE(page.find("id=\"experiments\""), std::string::npos);
   EXPECT_NE(page.find("✕ fails"), std::string::npos);
 }

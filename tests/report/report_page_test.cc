@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "compared_cases.h"
 #include "comparisons/judgement/scoring.h"
-#include "comparisons/report/compared_cases.h"
 #include "comparisons/report/extremes_page.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/select_page.h"
@@ -85,7 +85,7 @@ Json hostile(Json value) {
 
 TEST(ReportPage, ShowsEveryNumberOfEveryLoadAsText) {
   const Json report = tests::sample_report();
-  const std::string page = without_scripts(render_report(report));
+  const std::string page = without_scripts(tests::page_of(report));
   // Four digits are shown of values, two at least of relative errors.
   constexpr double kValue = 0.5e-3, kError = 0.05;
   for (const Json& report_case : report["cases"]) {
@@ -155,7 +155,7 @@ TEST(ReportPage, ShowsEveryNumberOfEveryLoadAsText) {
 
 TEST(ReportPage, SaysQuestionVerdictAndCaseFileWithoutJavaScript) {
   const Json report = tests::sample_report();
-  const std::string page = without_scripts(render_report(report));
+  const std::string page = without_scripts(tests::page_of(report));
   for (const Json& report_case : report["cases"]) {
     const std::string text = visible_text(section_of(page, report_case["id"]));
     for (const char* key : {"question", "verdict", "case_toml", "file"})
@@ -168,7 +168,7 @@ TEST(ReportPage, SaysQuestionVerdictAndCaseFileWithoutJavaScript) {
 }
 
 TEST(ReportPage, SaysWhyAReferenceIsMissing) {
-  const std::string page = without_scripts(render_report(tests::sample_report()));
+  const std::string page = without_scripts(tests::page_of(tests::sample_report()));
   const std::string text = visible_text(section_of(page, "nearly_incompressible"));
   EXPECT_NE(text.find("no reference: the active set did not settle"), std::string::npos);
   EXPECT_NE(text.find("R′ flat (∞)"), std::string::npos);
@@ -178,7 +178,7 @@ TEST(ReportPage, SaysWhyAReferenceIsMissing) {
 
 TEST(ReportPage, RefersToNothingOutsideItself) {
   for (const Json& report : {tests::sample_report(), Json{{"cases", Json::array()}}}) {
-    const std::string page = without_scripts(render_report(report));
+    const std::string page = without_scripts(tests::page_of(report));
     EXPECT_FALSE(std::regex_search(page, std::regex("\\ssrc=|<link|<img|@import|url\\(")));
     const std::regex link("href=\"([^\"]*)\"");
     for (std::sregex_iterator it(page.begin(), page.end(), link), end; it != end; ++it) {
@@ -190,17 +190,17 @@ TEST(ReportPage, RefersToNothingOutsideItself) {
 }
 
 TEST(ReportPage, StaysBelowThreeMegabytesWithTwentyCasesThreeLoadsAndEightModels) {
-  EXPECT_LT(render_report(tests::large_report(20)).size(), 3'000'000u);
+  EXPECT_LT(tests::page_of(tests::large_report(20)).size(), 3'000'000u);
 }
 
 TEST(ReportPage, CarriesTheLicencesOfTheEmbeddedLibraries) {
-  const std::string page = without_scripts(render_report({{"cases", Json::array()}}));
+  const std::string page = without_scripts(tests::page_of({{"cases", Json::array()}}));
   EXPECT_NE(page.find("Mike Bostock"), std::string::npos);
   EXPECT_NE(page.find("@observablehq/plot"), std::string::npos);
 }
 
 TEST(ReportPage, HasReadableChartData) {
-  const Json data = tests::chart_data_of(render_report(tests::sample_report()));
+  const Json data = tests::chart_data_of(tests::page_of(tests::sample_report()));
   EXPECT_EQ(data["cases"].size(), 5u);
   EXPECT_TRUE(data["cases"][4]["loads"][0]["fem"].is_null());
 }
@@ -211,7 +211,7 @@ struct RenderedPage {
   const char* list;  ///< without which there is no page
 };
 std::vector<RenderedPage> all_pages() {
-  return {{tests::sample_report(), render_report, "cases"},
+  return {{tests::sample_report(), tests::page_of, "cases"},
           {tests::sample_selection(), render_selection, "choices"},
           {tests::sample_survey(), render_extremes, "models"},
           {tests::sweep_with_fem(), render_sweep, "rows"}};
@@ -317,9 +317,9 @@ TEST(SelectPage, OfASceneSaysWhatIsSavedAndWhatEachPairNeeds) {
 
 TEST(ReportPage, ShowsTheAtlasOnlyWhereThereIsOne) {
   Json report = tests::sample_report();
-  EXPECT_NE(render_report(report).find("id=\"maps\""), std::string::npos);
+  EXPECT_NE(tests::page_of(report).find("id=\"maps\""), std::string::npos);
   report.erase("atlas");
-  EXPECT_EQ(render_report(report).find("id=\"maps\""), std::string::npos);
+  EXPECT_EQ(tests::page_of(report).find("id=\"maps\""), std::string::npos);
 }
 
 TEST(ExtremesPage, NamesTheViolatedInvariantAndItsProblem) {
@@ -354,7 +354,7 @@ TEST(ReportPage, TheConstantForAllLoadsHasTheSmallestWorstError) {
         {{"load_N", 1}, {"fem", {{"max_torque_Nm", torque_Nm}}}, {"models", Json::array()}});
   const Json report = {
       {"cases", {{{"id", "one"}, {"friction_coefficient", 0.5}, {"loads", loads}}}}};
-  const std::string text = visible_text(without_scripts(render_report(report)));
+  const std::string text = visible_text(without_scripts(tests::page_of(report)));
   // 2/(1/1 + 1/3) = 1.5, off by 50 % at both ends.
   EXPECT_NE(text.find("0.0015"), std::string::npos);
   EXPECT_NE(text.find("± 50"), std::string::npos) << text.substr(text.find("0.0015"), 80);
@@ -363,16 +363,17 @@ TEST(ReportPage, TheConstantForAllLoadsHasTheSmallestWorstError) {
 
 TEST(Scoring, CountsAgreementOutsideTheModelsValidityAsAnAccident) {
   const Json report = one_case({{0.02, true}, {-0.05, false}, {0.40, true}});
-  const auto all = judgement::usability(compared_cases(report), {"hertz"}, tolerance(report));
+  const auto all =
+      judgement::usability(tests::compared_cases(report), {"hertz"}, tolerance(report));
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].compared, 3);
   EXPECT_EQ(all[0].usable, 1);
   EXPECT_EQ(all[0].accidents, 1);
   EXPECT_EQ(all[0].broken_claims, 1);
   EXPECT_EQ(all[0].worst, 0.40);
-  EXPECT_EQ(
-      judgement::reference_summary(compared_cases(report), tolerance(report)).without_usable_model,
-      2);
+  EXPECT_EQ(judgement::reference_summary(tests::compared_cases(report), tolerance(report))
+                .without_usable_model,
+            2);
 }
 
 TEST(Scoring, ReadsTheReferencesErrorsAndWhetherItIsTrusted) {
@@ -381,7 +382,7 @@ TEST(Scoring, ReadsTheReferencesErrorsAndWhetherItIsTrusted) {
   fem["trusted"] = false;
   fem["error"]["max_torque"] = 0.05;
   const judgement::ReferenceSummary summary =
-      judgement::reference_summary(compared_cases(report), tolerance(report));
+      judgement::reference_summary(tests::compared_cases(report), tolerance(report));
   EXPECT_EQ(summary.solved, 2);
   EXPECT_EQ(summary.trusted, 1);
   EXPECT_EQ(summary.worst_torque_error, 0.05);
@@ -393,7 +394,7 @@ TEST(Scoring, ReadsWhatTheReferencesOwnMeshLeavesOpen) {
   loads[1]["fem"]["geometry_error"] = {
       {"a", 0.05}, {"b", 0.04}, {"area", 0.23}, {"max_torque", 0.1}};
   const auto worst = [&] {
-    return judgement::reference_summary(compared_cases(report), tolerance(report))
+    return judgement::reference_summary(tests::compared_cases(report), tolerance(report))
         .worst_geometry_error;
   };
   EXPECT_EQ(worst(), 0.23);
@@ -403,7 +404,8 @@ TEST(Scoring, ReadsWhatTheReferencesOwnMeshLeavesOpen) {
 
 TEST(Scoring, NamesTheQuantityAndTheLoadOfTheWorstError) {
   const Json report = one_case({{0.02, true}, {-0.05, false}});
-  const auto best = judgement::best_model(compared_case(report["cases"][0]), tolerance(report));
+  const auto best =
+      judgement::best_model(tests::compared_case(report["cases"][0]), tolerance(report));
   ASSERT_TRUE(best);
   EXPECT_EQ(best->model, "hertz");
   EXPECT_EQ(best->score.error, 0.05);

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "compared_cases.h"
 #include "comparisons/report/calibration_page.h"
 #include "comparisons/report/extremes_page.h"
 #include "comparisons/report/page.h"
@@ -45,8 +46,8 @@ int main(int argc, char** argv) try {
   const std::string folder = argv[1];
   using namespace softfinger::report;
   for (const auto& [name, page] :
-       {std::pair{"sample", render_report(sample_report())},
-        std::pair{"large", render_report(large_report(20))},
+       {std::pair{"sample", softfinger::tests::page_of(sample_report())},
+        std::pair{"large", softfinger::tests::page_of(large_report(20))},
         std::pair{"selection", render_selection(sample_selection())},
         std::pair{"extremes", render_extremes(sample_survey())},
         std::pair{"calibration", render_calibration(sample_calibration())},

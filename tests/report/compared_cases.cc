@@ -1,16 +1,13 @@
-#include "comparisons/report/compared_cases.h"
+#include "compared_cases.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace softfinger::report {
+#include "comparisons/report/report_page.h"
 
-double tolerance(const Json& report) { return number(report, "tolerance").value_or(0.10); }
+namespace softfinger::tests {
 
-bool is_asked(const Json& model) {
-  const Json& checks = child(model, "validity");
-  return !checks.is_array() || checks.empty() || text(checks[0], "check") != "power_law_known";
-}
+using namespace report;
 
 judgement::ModelError compared_model(const Json& model) {
   judgement::ModelError error;
@@ -68,4 +65,8 @@ std::vector<judgement::CaseErrors> compared_cases(const Json& report) {
   return cases;
 }
 
-}  // namespace softfinger::report
+std::string page_of(const Json& report) {
+  return render_report(report, compared_cases(report));
+}
+
+}  // namespace softfinger::tests
