@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/number_option.h"
 #include "comparisons/input/mask.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -102,9 +103,13 @@ void add_area(CLI::App& app, Action& action) {
                    "side of a pixel in mm, 1e-6 to 1000; 25.4/600 of a scan at 600 dpi")
       ->required();
   command
-      ->add_option("--load", options->loads_N,
-                   "load of each picture in N, > 0, separated by commas; default: left empty")
-      ->delimiter(',');
+      ->add_option_function<std::string>(
+          "--load",
+          [options](const std::string& typed) {
+            options->loads_N = numbers_of("--load", typed, "numbers > 0, in N");
+          },
+          "load of each picture in N, > 0, separated by commas; default: left empty")
+      ->type_name("P1,P2,...");
   command->add_flag("--dark", options->dark,
                     "the contact is darker than half, like ink on white paper");
   command->add_flag(

@@ -9,6 +9,7 @@
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/fem_answer.h"
+#include "comparisons/commands/number_option.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/reference/fem_process.h"
@@ -276,11 +277,15 @@ void add_fem(CLI::App& app, Action& action) {
   command->add_option("--increments", options->increments, "of the twist, 1 to 1000; default: 20")
       ->check(CLI::Range(1, 1000));
   command
-      ->add_option("--twist-axis-mm", options->twist_axis_mm,
-                   "X,Y of the twist's axis from the contact's centre, along its long and short "
-                   "axis (mm), inside the contact; default: the centre")
-      ->delimiter(',')
-      ->expected(2);
+      ->add_option_function<std::string>(
+          "--twist-axis-mm",
+          [options](const std::string& typed) {
+            options->twist_axis_mm =
+                numbers_of("--twist-axis-mm", typed, "X,Y: two finite numbers, in mm", 2);
+          },
+          "X,Y of the twist's axis from the contact's centre, along its long and short "
+          "axis (mm), inside the contact; default: the centre")
+      ->type_name("X,Y");
   command
       ->add_option(
           "--limit-surface", options->limit_surface,

@@ -30,7 +30,7 @@ struct MeshOptions {
 
 struct ReadMesh {
   meshes::SurfaceFile file;
-  std::string unit, doubt;  ///< about the unit
+  std::string unit, doubt;  ///< about the unit, or how it was guessed
 };
 
 ReadMesh read_mesh(const std::string& path, const std::string& typed_unit) {
@@ -78,7 +78,9 @@ nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read,
   return {{"mesh", options.file},
           {"unit", read.unit},
           {"unit_guessed", read.file.is_unit_guessed},
-          {"unit_doubt", read.doubt.empty() ? nlohmann::json() : nlohmann::json(read.doubt)},
+          {"unit_doubt", input::is_width_doubtful(read.file, input::MeshRole::finger)
+                             ? nlohmann::json(read.doubt)
+                             : nlohmann::json()},
           {"triangles", surface.triangles.size()},
           {"vertices", surface.vertices_m.size()},
           {"closed", facts.open_edges == 0},

@@ -19,6 +19,9 @@ enum class UnitIsTold { in_a_file, on_the_command_line };
 /// one for anything that a hand can hold. Empty where there is nothing to say.
 std::string unit_remark(const meshes::SurfaceFile& file, MeshRole role, UnitIsTold told);
 
+/// Whether the width is unusual, so that the unit may be wrong.
+bool is_width_doubtful(const meshes::SurfaceFile& file, MeshRole role);
+
 /// @throws InputError(where) for a finger whose unit was guessed and that is narrower than 1 mm or
 /// wider than 1 m: then its unit has to be typed
 void require_finger_size(const meshes::SurfaceFile& file, const std::string& where,

@@ -150,8 +150,8 @@ TEST_F(MeshCommand, GuessesTheUnit) {
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run(arguments).err;
   };
-  EXPECT_NE(doubt(1 / 25.4, {}).find("in inches it would be 24 mm: scale it by 25.4 to mm?"),
-            std::string::npos);
+  write("other.stl", 1 / 25.4);
+  expect_refusal({"mesh", "other.stl"}, "in inches it would be 24 mm: scale it by 25.4 to mm?");
   EXPECT_NE(doubt(0.1, {}).find("in cm it would be 24 mm"), std::string::npos);
   EXPECT_NE(doubt(1e-3, {"--unit", "mm"}).find("--unit m?"), std::string::npos);
   EXPECT_NE(doubt(7, {}).find("whole of a finger"), std::string::npos);
@@ -264,12 +264,12 @@ TEST_F(MeshCommand, IsTouchedAtTheNearestPointInACase) {
 }
 
 TEST_F(MeshCommand, SaysTheNextStepWhereAPointCannotBePressed) {
-  // Its side touches a plane along a line.
+  // A cylinder in a hollow object has a saddle for a gap; its round ends have none.
   meshes::write_stl_mm(meshes::capsule_finger(), (folder.path() / "capsule.stl").string());
   folder.write(
       "case.toml",
       "[geometry]\nfinger = { mesh = \"capsule.stl\", along = \"-y\" }\nobject = { radii_mm = "
-      "[inf, inf] }\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = "
+      "[-40, -40] }\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = "
       "0.45\n[contact]\nload_N = 1\nfriction_coefficient = 0.8\n");
   const ProgramRun refused = run({"export", "case.toml", "--to", "mujoco"});
   EXPECT_EQ(refused.status, 2) << refused.out;

@@ -108,7 +108,7 @@ TEST(NextStep, SaysThatAHollowFingerHasNoBounds) {
   EXPECT_NE(hollow.step().step.find("softfinger compare"), std::string::npos) << hollow.step().step;
 }
 
-/// A finger whose side touches a plane along a line.
+/// A finger whose side has a saddle for a gap to a hollow object; its round ends have none.
 class NextStepOnAMesh : public testing::Test {
  protected:
   std::filesystem::path file;
@@ -122,24 +122,24 @@ class NextStepOnAMesh : public testing::Test {
   void TearDown() override { std::filesystem::remove(file); }
   std::string finger(const std::string& point) const {
     return "finger = { mesh = \"" + file.string() + "\", " + point +
-           " }\nobject = { radii_mm = [inf, inf] }";
+           " }\nobject = { radii_mm = [-40, -40] }";
   }
 };
 
 TEST_F(NextStepOnAMesh, NamesTheNearestPointThatIsUsable) {
-  const input::Case flat =
+  const input::Case saddle =
       input::parse_case(stepped_case_text(finger("along = \"-y\"")), "case.toml");
-  const prediction::GeometryResolver resolver(flat);
+  const prediction::GeometryResolver resolver(saddle);
   try {
-    judgement::resolve_or_advise(flat, resolver, 2);
-    FAIL() << "a line has no ellipse";
+    judgement::resolve_or_advise(saddle, resolver, 2);
+    FAIL() << "a saddle has no ellipse";
   } catch (const InputError& error) {
     const std::string what = error.what();
     const std::size_t line = what.find("finger = {");
     ASSERT_NE(line, std::string::npos) << what;
     EXPECT_EQ(what.find('\n'), std::string::npos);
     const std::string pasted = what.substr(line, what.find('}', line) + 1 - line);
-    const std::string text = stepped_case_text(pasted + "\nobject = { radii_mm = [inf, inf] }");
+    const std::string text = stepped_case_text(pasted + "\nobject = { radii_mm = [-40, -40] }");
     EXPECT_TRUE(Stepped(text, "fingertip_layer").usable() || Stepped(text, "bonded_layer").usable())
         << what;
   }
