@@ -59,15 +59,17 @@ std::string answer_line(double load_N, const ModelAnswer* answer, prediction::To
   const std::string force = answer->shear_law.kind == ShearLaw::Kind::coulomb
                                 ? ""
                                 : fmt::format("; largest force {:.3g} N", limit.max_force_N);
+  // What nobody vouches for is not printed to be pasted.
+  const std::string lines =
+      usable ? "; MuJoCo " + exporting::mujoco_friction(rounded(limit.max_force_N / load_N),
+                                                        rounded(limit.max_torque_Nm() / load_N))
+             : "";
   return fmt::format(
-      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm{}; "
-      "MuJoCo {}\n",
+      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm{}{}\n",
       load_N, usable ? "" : "NOT USABLE within " + text::percent(demand.tolerance) + ": ",
       1e3 * limit.max_torque_Nm(), bound_in_words(*answer, {Quantity::max_torque}),
       in_words(inputs), answer->model->card().name, 2e3 * p.a_m, 2e3 * p.b_m,
-      1e3 * limit.eccentricity_m, force,
-      exporting::mujoco_friction(rounded(limit.max_force_N / load_N),
-                                 rounded(limit.max_torque_Nm() / load_N)));
+      1e3 * limit.eccentricity_m, force, lines);
 }
 
 std::string models_text(const std::vector<ModelAnswer>& answers, const ModelAnswer* recommended,

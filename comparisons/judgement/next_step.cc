@@ -12,12 +12,21 @@
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/reason.h"
 #include "comparisons/prediction/mesh_points.h"
+#include "comparisons/system/program_paths.h"
 #include "comparisons/text/percent.h"
 #include "comparisons/text/toml_text.h"
 #include "softfinger/accuracy/default_model.h"
 
 namespace softfinger::judgement {
 namespace {
+
+/// What names the case in a command: a built-in one by its name.
+std::string as_typed(const input::Case& contact_case) {
+  const auto known = system::builtin_case_files();
+  return std::find(known.begin(), known.end(), contact_case.file) == known.end()
+             ? contact_case.file.string()
+             : contact_case.file.stem().string();
+}
 
 using Eigen::Vector3d;
 using prediction::Demand;
@@ -140,7 +149,7 @@ std::string other_load(const input::Case& contact_case, const GeometryResolver& 
 
 /// What no other point, load or model changes, and what to do about it.
 std::optional<NextStep> structural(const input::Case& contact_case, const ModelAnswer* answer) {
-  const std::string compare = "softfinger compare " + contact_case.file.string();
+  const std::string compare = "softfinger compare " + as_typed(contact_case);
   if (contact_case.object_layer.thickness_m > 0)
     return NextStep{"there are two layers, and errors are known for one",
                     "leave out the stiffer one of [layer] and [object_layer]"};
@@ -149,7 +158,7 @@ std::optional<NextStep> structural(const input::Case& contact_case, const ModelA
                     compare + " presses the stack by finite elements"};
   if (!contact_case.fem_mesh.empty())
     return NextStep{"the layer is a mesh of its own, which no model knows",
-                    "softfinger fem " + contact_case.file.string() + " presses it"};
+                    "softfinger fem " + as_typed(contact_case) + " presses it"};
   if (contact_case.fem_finite && contact_case.fem_finite->material != "neo_hookean")
     return NextStep{"errors are known for neo-Hookean layers, and this one is " +
                         contact_case.fem_finite->material,
@@ -168,7 +177,7 @@ std::string last_resort(const input::Case& contact_case) {
         "if you know the radii: {} = {{ radii_mm = [9, 7] }} with your own in place "
         "of 9 and 7; or a finer scan",
         name);
-  return "softfinger compare " + contact_case.file.string() +
+  return "softfinger compare " + as_typed(contact_case) +
          " presses the finger itself by finite elements";
 }
 
