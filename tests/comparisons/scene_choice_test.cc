@@ -88,7 +88,7 @@ TEST(SceneChoice, AsksFiniteElementsOnceWhereNoModelIsKnown) {
   EXPECT_TRUE(choice.motion_holds) << "the reference has the tables too";
   EXPECT_NE(judgement::reference_in_words(choice).find("finite elements"), std::string::npos)
       << "what it is compared with";
-  EXPECT_EQ(judgement::table(choice, 0.01, "").find("bonded layer and exact limit surfaces every"),
+  EXPECT_EQ(judgement::table(choice, 0.01).find("recommended model and exact limit surfaces every"),
             std::string::npos);
 }
 

@@ -13,7 +13,8 @@
 namespace softfinger {
 namespace {
 
-input::Case case_with(const std::string& geometry, double poisson_ratio, const std::string& fem) {
+input::Case limited_case(const std::string& geometry, double poisson_ratio,
+                         const std::string& fem) {
   return input::parse_case("id = \"x\"\n[geometry]\n" + geometry +
                                "\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\n"
                                "poisson_ratio = " +
@@ -41,7 +42,7 @@ Validity limits(const input::Case& solved, const reference::ReferenceResult& res
 }
 
 TEST(TheoryLimits, EndLinearTheoryAtLargeStrainsAndSlopes) {
-  const input::Case linear = case_with(kRadii, 0.45, "kinematics = \"linear\"\n");
+  const input::Case linear = limited_case(kRadii, 0.45, "kinematics = \"linear\"\n");
   EXPECT_TRUE(limits(linear, result_with(2e-3, 1e-3, 0.4e-3)).holds());
   const Validity strained = limits(linear, result_with(2e-3, 1e-3, 1.9e-3));
   EXPECT_FALSE(strained.holds());
@@ -51,9 +52,9 @@ TEST(TheoryLimits, EndLinearTheoryAtLargeStrainsAndSlopes) {
   EXPECT_EQ(reference::beyond_limits_in_words(strained),
             "beyond linear theory: small_strain 0.95, holds below 0.3");
   EXPECT_FALSE(limits(linear, result_with(2e-3, 5e-3, 0.4e-3)).holds()) << "b/R'' = 0.5";
-  const input::Case foam = case_with(kRadii, 0, "kinematics = \"linear\"\n");
+  const input::Case foam = limited_case(kRadii, 0, "kinematics = \"linear\"\n");
   EXPECT_FALSE(limits(foam, result_with(2e-3, 1e-3, 0.4e-3)).holds()) << "of less strain";
-  const input::Case finite = case_with(kRadii, 0.45, "kinematics = \"finite\"\n");
+  const input::Case finite = limited_case(kRadii, 0.45, "kinematics = \"finite\"\n");
   EXPECT_TRUE(limits(finite, result_with(2e-3, 5e-3, 1.5e-3)).holds());
 }
 
@@ -69,9 +70,9 @@ TEST(TheoryLimits, LeaveOutEveryRunOfTheAtlasInWhichLinearTheoryIsOffByFivePerce
     const double radius_mm = 1e3 * h_m / run.thickness_over_radius;
     const double stretch = std::sqrt(run.radii_ratio);
     const input::Case solved =
-        case_with("relative_radii_mm = [" + std::to_string(radius_mm * stretch) + ", " +
-                      std::to_string(radius_mm / stretch) + "]",
-                  run.poisson_ratio, "kinematics = \"linear\"\n");
+        limited_case("relative_radii_mm = [" + std::to_string(radius_mm * stretch) + ", " +
+                         std::to_string(radius_mm / stretch) + "]",
+                     run.poisson_ratio, "kinematics = \"linear\"\n");
     const auto answer = [&](Quantity q) { return h_m * run.answer[std::size_t(q)]; };
     const bool holds = limits(solved, result_with(answer(Quantity::a), answer(Quantity::b),
                                                   answer(Quantity::indentation)))
@@ -93,7 +94,7 @@ TEST(TheoryLimits, LeaveOutEveryRunOfTheAtlasInWhichLinearTheoryIsOffByFivePerce
 }
 
 TEST(ReferenceBound, OfTheFullReferenceIsTheElementsAndTheScansTogether) {
-  const input::Case solved = case_with(kRadii, 0.45, "kinematics = \"finite\"\n");
+  const input::Case solved = limited_case(kRadii, 0.45, "kinematics = \"finite\"\n");
   const prediction::LocalGeometry geometry = prediction::GeometryResolver(solved).resolve(1);
   reference::ReferenceResult result = result_with(2e-3, 1e-3, 0.4e-3);
   const auto bound = [&](bool is_full, bool within_theory) {
@@ -114,8 +115,9 @@ TEST(ReferenceBound, OfTheFullReferenceIsTheElementsAndTheScansTogether) {
 }
 
 TEST(ReferenceBound, OfAFlatLayerInLinearTheoryHasItsDistanceToTheFinger) {
-  const input::Case solved = case_with("finger.radii_mm = [20, 10]\nobject.radii_mm = [inf, inf]",
-                                       0.45, "geometry = \"flat\"\nkinematics = \"linear\"\n");
+  const input::Case solved =
+      limited_case("finger.radii_mm = [20, 10]\nobject.radii_mm = [inf, inf]", 0.45,
+                   "geometry = \"flat\"\nkinematics = \"linear\"\n");
   const prediction::LocalGeometry geometry = prediction::GeometryResolver(solved).resolve(1);
   const reference::ReferenceResult result = result_with(2e-3, 1e-3, 0.4e-3);
   const judgement::ReferenceBound found =
