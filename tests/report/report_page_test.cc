@@ -14,6 +14,7 @@
 #include "comparisons/judgement/scoring.h"
 #include "comparisons/report/extremes_page.h"
 #include "comparisons/report/html.h"
+#include "comparisons/report/report_json.h"
 #include "comparisons/report/select_page.h"
 #include "comparisons/report/style.h"
 #include "comparisons/report/sweep_page.h"
