@@ -320,9 +320,15 @@ TEST_F(CommandLine, NamesTheNearestOption) {
   EXPECT_EQ(run({"-V"}).out, run({"--version"}).out);
 }
 
+/// A case with an unusual value, of which there is a remark.
+const std::vector<std::string> kRemarked = {"predict", "seed_thumb", "--set",
+                                            "contact.friction_coefficient=100"};
+
 TEST_F(CommandLine, SaysOnlyErrorsWhereQuietIsAskedFor) {
-  EXPECT_NE(run({"predict", "seed_thumb"}).err, "");
-  const ProgramRun quiet = run({"predict", "seed_thumb", "--quiet"});
+  EXPECT_NE(run(kRemarked).err, "");
+  std::vector<std::string> quietly = kRemarked;
+  quietly.push_back("--quiet");
+  const ProgramRun quiet = run(quietly);
   EXPECT_EQ(quiet.err, "");
   EXPECT_NE(quiet.out, "");
   EXPECT_EQ(run({"-q", "fem", "hertz_circle"}).err, "");
@@ -342,10 +348,10 @@ TEST_F(CommandLine, ColoursOnlyWhereSomebodySeesThem) {
   const auto has_colour = [](const std::string& text) {
     return text.find('\x1b') != std::string::npos;
   };
-  const ProgramRun plain = run({"predict", "seed_thumb"});
+  const ProgramRun plain = run(kRemarked);
   EXPECT_FALSE(has_colour(plain.out) || has_colour(plain.err));
   start.environment = {"CLICOLOR_FORCE=1"};
-  const ProgramRun coloured = run({"predict", "seed_thumb"});
+  const ProgramRun coloured = run(kRemarked);
   EXPECT_TRUE(has_colour(coloured.out) && has_colour(coloured.err));
   // The same words, whatever their colours.
   const std::regex codes("\x1b\\[[0-9;]*m");
@@ -356,7 +362,7 @@ TEST_F(CommandLine, ColoursOnlyWhereSomebodySeesThem) {
   EXPECT_FALSE(has_colour(run({"predict", "seed_thumb", "--json"}).out));
   EXPECT_TRUE(has_colour(run({"predict", "missing.toml"}).err));
   start.environment = {"CLICOLOR_FORCE=1", "NO_COLOR=1"};
-  EXPECT_FALSE(has_colour(run({"predict", "seed_thumb"}).out));
+  EXPECT_FALSE(has_colour(run(kRemarked).out));
 }
 
 TEST_F(CommandLine, AnswersInJsonInEveryCommand) {
