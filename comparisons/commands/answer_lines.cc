@@ -33,7 +33,7 @@ double rounded(double value) { return std::stod(fmt::format("{:.4g}", value)); }
 std::string model_row(const ModelAnswer& answer, prediction::TorqueRule rule) {
   const Prediction& p = answer.prediction;
   const FrictionEllipsoid limit = answer.friction_ellipsoid(rule);
-  return fmt::format("  {:<19}{:>8.3g}{:>7.3g}{:>8.3g}{:>7.3g}{:>8.3g}{:>7.3g}{:>10}{:>9}\n",
+  return fmt::format("  {:<19} {:>7.3g} {:>6.3g} {:>7.3g} {:>6.3g} {:>7.3g} {:>6.3g} {:>9} {:>8}\n",
                      answer.model->card().name, 2e3 * p.a_m, 2e3 * p.b_m, 1e3 * p.indentation_m,
                      1e-3 * p.peak_pressure_Pa, 1e3 * limit.max_torque_Nm(),
                      1e3 * limit.eccentricity_m,
@@ -77,8 +77,8 @@ std::string models_text(const std::vector<ModelAnswer>& answers, const ModelAnsw
   const auto usable = judgement::usable_ones(answers, recommended);
   std::string text;
   if (!usable.empty())
-    text += fmt::format("  {:<19}{:>8}{:>7}{:>8}{:>7}{:>8}{:>7}{:>10}{:>9}\n", "usable", "2a mm",
-                        "2b mm", "d mm", "kPa", "mN·m", "e_n mm", "contact ±", "torque ±");
+    text += fmt::format("  {:<19} {:>7} {:>6} {:>7} {:>6} {:>7} {:>6} {:>9} {:>8}\n", "usable",
+                        "2a mm", "2b mm", "d mm", "kPa", "mN·m", "e_n mm", "contact ±", "torque ±");
   for (const ModelAnswer* answer : usable) text += model_row(*answer, rule);
   for (const ModelAnswer& answer : answers)
     if (!answer.assessment || !answer.assessment->usable)

@@ -49,8 +49,9 @@ std::vector<std::string> layer_words(const std::string& typed) {
     throw InputError("command line", "--finger-layer", "\"" + typed + "\"", allowed);
   };
   if (colon == std::string::npos || colon == 0) refuse();
-  const std::vector<double> layer =
-      numbers_of("--finger-layer", typed.substr(colon + 1), allowed, 3);
+  const auto numbers = text::read_numbers(typed.substr(colon + 1));
+  if (!numbers || numbers->size() != 3) refuse();
+  const std::vector<double>& layer = *numbers;
   if (!(layer[0] > 0 && layer[1] > 0 && layer[2] >= 0 && layer[2] <= 0.5)) refuse();
   std::vector<std::string> words = {typed.substr(0, colon)};
   for (const double number : layer) words.push_back(fmt::format("{}", number));

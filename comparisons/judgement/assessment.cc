@@ -61,15 +61,6 @@ QuantityErrors with_shear_law(QuantityErrors bound) {
   return bound;
 }
 
-/// Whether the sublayers differ: a layer of equal ones is homogeneous.
-bool is_stack(const input::Case& contact_case) {
-  const auto& sublayers = contact_case.sublayers;
-  return std::any_of(sublayers.begin(), sublayers.end(), [&](const input::Sublayer& one) {
-    return one.layer.youngs_modulus_Pa != sublayers.front().layer.youngs_modulus_Pa ||
-           one.layer.poisson_ratio != sublayers.front().layer.poisson_ratio;
-  });
-}
-
 const char* reason_without_bound(const input::Case& contact_case,
                                  const prediction::ModelAnswer& answer) {
   if (!answer.prediction.has_answer) return "the model has no answer";
@@ -194,6 +185,14 @@ std::string what_would_determine(const prediction::LocalGeometry& geometry) {
 }
 
 }  // namespace
+
+bool is_stack(const input::Case& contact_case) {
+  const auto& sublayers = contact_case.sublayers;
+  return std::any_of(sublayers.begin(), sublayers.end(), [&](const input::Sublayer& one) {
+    return one.layer.youngs_modulus_Pa != sublayers.front().layer.youngs_modulus_Pa ||
+           one.layer.poisson_ratio != sublayers.front().layer.poisson_ratio;
+  });
+}
 
 Assessment assess_numbers(const input::Case& contact_case,
                           const prediction::LocalGeometry& geometry,

@@ -9,6 +9,9 @@
 /// against the finger itself, and what the geometry leaves open.
 namespace softfinger::judgement {
 
+/// Whether the layer's sublayers differ: one of equal sublayers is homogeneous.
+bool is_stack(const input::Case& contact_case);
+
 /// @param answer     of the case's contact
 /// @param rule       by which the torque is told
 /// @param demand     what an answer has to meet to be usable

@@ -153,7 +153,7 @@ std::optional<NextStep> structural(const input::Case& contact_case, const ModelA
   if (contact_case.object_layer.thickness_m > 0)
     return NextStep{"there are two layers, and errors are known for one",
                     "leave out the stiffer one of [layer] and [object_layer]"};
-  if (!contact_case.sublayers.empty())
+  if (is_stack(contact_case))
     return NextStep{"the layer is a stack, and errors of models are known for one material",
                     compare + " presses the stack by finite elements"};
   if (!contact_case.fem_mesh.empty())

@@ -121,8 +121,8 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
           input::unit_remark(file, is_finger ? input::MeshRole::finger : input::MeshRole::object,
                              input::UnitIsTold::in_a_file)})
       if (!text.empty()) remarks_.push_back(mesh->path.string() + ": " + text);
-    keep(*mesh, {std::make_shared<const TriangleSurface>(std::move(file.surface)),
-                 file.metres_per_unit});
+    keep(*mesh,
+         {std::make_shared<const TriangleSurface>(std::move(file.surface)), file.metres_per_unit});
   }
 }
 

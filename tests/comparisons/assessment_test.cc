@@ -130,10 +130,10 @@ TEST(Assessment, StatesWhatFacetsAsLargeAsTheContactLeaveOpen) {
   std::string folder = ::testing::TempDir() + "/softfinger-facets-XXXXXX";
   ASSERT_TRUE(mkdtemp(folder.data()));
   const auto area_open = [&](int parts) {
-    meshes::write_stl_mm(meshes::triangulated_ellipsoid({R, R, R}, {0, 0, 0}, parts),
-                         folder + "/finger.stl");
-    const Asked asked(assessed_case_text("finger = { mesh = \"" + folder +
-                                         "/finger.stl\", point_mm = [0, -12, 0], normal = [0, -1, "
+    const std::string file = folder + "/finger_" + std::to_string(parts) + ".stl";
+    meshes::write_stl_mm(meshes::triangulated_ellipsoid({R, R, R}, {0, 0, 0}, parts), file);
+    const Asked asked(assessed_case_text("finger = { mesh = \"" + file +
+                                         "\", point_mm = [0, -12, 0], normal = [0, -1, "
                                          "0] }\nobject.radii_mm = [inf, inf]"),
                       "bonded_layer");
     const Assessment found = asked.assess();

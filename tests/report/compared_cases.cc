@@ -65,8 +65,6 @@ std::vector<judgement::CaseErrors> compared_cases(const Json& report) {
   return cases;
 }
 
-std::string page_of(const Json& report) {
-  return render_report(report, compared_cases(report));
-}
+std::string page_of(const Json& report) { return render_report(report, compared_cases(report)); }
 
 }  // namespace softfinger::tests

@@ -344,7 +344,8 @@ Json one_case(std::vector<std::pair<double, bool>> torque_error_and_soundness) {
                       {{{"model", "hertz"},
                         {"has_answer", true},
                         {"sound", sound},
-                        {"relative_error", {{"area", 0.01}, {"max_torque", error}}}}}}});
+                        {"relative_error",
+                         {{"a", 0.005}, {"b", 0.005}, {"area", 0.01}, {"max_torque", error}}}}}}});
   return {{"tolerance", 0.10}, {"cases", {{{"id", "one"}, {"loads", loads}}}}};
 }
 

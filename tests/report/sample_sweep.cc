@@ -80,8 +80,8 @@ class SampleSweep {
     Json names = Json::array();
     for (std::size_t i = 0; i < models_; ++i) {
       names.push_back({{"name", kModels[i].first}, {"title", kModels[i].second}});
-      for (const char* quantity :
-           {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2", "max_torque_Nm", "usable"})
+      for (const char* quantity : {"a_m", "b_m", "indentation_m", "peak_pressure_Pa", "area_m2",
+                                   "max_torque_Nm", "usable"})
         columns.push_back(std::string(kModels[i].first) + "_" + quantity);
     }
     if (fem_) {

@@ -30,12 +30,8 @@ bool read(std::string_view bytes) {
 }
 
 std::vector<std::string> seeds() {
-  return {"1,5",
-          "0.5",
-          "-1e-3, +.5",
-          "20,10",
-          "layer.thickness_mm=3",
-          "geometry.relative_radii_mm[0]=1"};
+  return {
+      "1,5", "0.5", "-1e-3, +.5", "20,10", "contact.load_N=3", "geometry.relative_radii_mm[0]=1"};
 }
 
 }  // namespace
