@@ -29,14 +29,16 @@ class GapSampling : public ::testing::Test {
   input::Case mesh_case(const TriangleSurface& surface, const Vector3d& point_m,
                         const Vector3d& normal, double load_N = kLoad_N,
                         const std::string& object = "radii_mm = [inf, inf]") {
-    meshes::write_stl_mm(surface, (folder_ / "mesh.stl").string());
+    // A file of its own each time: what was read is not written again.
+    const std::string file = fmt::format("mesh_{}.stl", files_++);
+    meshes::write_stl_mm(surface, (folder_ / file).string());
     return input::parse_case(
-        fmt::format("id = \"mesh\"\n[geometry]\nfinger = {{ mesh = \"mesh.stl\", point_mm = [{}, "
+        fmt::format("id = \"mesh\"\n[geometry]\nfinger = {{ mesh = \"{}\", point_mm = [{}, "
                     "{}, {}], normal = [{}, {}, {}] }}\nobject = {{ {} }}\n[layer]\nthickness_mm = "
                     "2.0\nyoungs_modulus_kPa = 300.0\npoisson_ratio = 0.45\n[contact]\nload_N = "
                     "{:.17g}\nfriction_coefficient = 0.8\n",
-                    1e3 * point_m.x(), 1e3 * point_m.y(), 1e3 * point_m.z(), normal.x(), normal.y(),
-                    normal.z(), object, load_N),
+                    file, 1e3 * point_m.x(), 1e3 * point_m.y(), 1e3 * point_m.z(), normal.x(),
+                    normal.y(), normal.z(), object, load_N),
         folder_ / "mesh.toml");
   }
 
@@ -64,6 +66,7 @@ class GapSampling : public ::testing::Test {
     std::string name = ::testing::TempDir() + "/softfinger-gap-XXXXXX";
     return std::filesystem::path(mkdtemp(name.data()));
   }();
+  int files_ = 0;
 };
 
 /// Facets lie up to this far inside a body whose largest curvature is 1/R.

@@ -7,6 +7,7 @@
 
 #include "comparisons/simulation/presliding_contacts.h"
 #include "comparisons/simulation/simulate.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/friction/partial_slip.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -57,11 +58,12 @@ struct Fingertip {
 Fingertip fingertip() {
   ContactProblem problem;
   problem.radii = {0.01, 0.01, 0};
+  problem.finger_curvature = {1 / 0.01, 1 / 0.01, 0};  // a ball on a flat plate
   problem.layer.thickness_m = 2e-3;
   problem.layer.youngs_modulus_Pa = 3e5;
   problem.layer.poisson_ratio = 0.49;
   problem.load = {5, 0.8};
-  const PressureModel& model = *find_pressure_model("bonded_layer");
+  const PressureModel& model = default_model(problem);
   const Prediction prediction = model.predict(problem);
   return {
       0.8 * 5 * prediction.torque_arm_exact_m,

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "comparisons/simulation/simulate.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/friction_shape.h"
 #include "softfinger/input/constants.h"
@@ -495,12 +496,12 @@ TEST(UnknownErrors, AreThoseThatPredictDoesNotKnow) {
     contact.layer = {2e-3, 300e3, 0.49};
     contact.load = {force_N + 0.01 * 9.81, 0.5};
     contact.finger_curvature = {100, 100, 0};
-    const ErrorBound bound = error_bound(*find_pressure_model("bonded_layer"), contact);
+    const ErrorBound bound = error_bound(default_model(contact), contact);
     ASSERT_EQ(pressed.recording.unknown.empty(), bound.known) << force_N;
     if (bound.known) continue;
     const UnknownContact& unknown = pressed.recording.unknown.back();
     EXPECT_EQ(unknown.why, bound.outside);
-    const Prediction there = find_pressure_model("bonded_layer")->predict(contact);
+    const Prediction there = default_model(contact).predict(contact);
     EXPECT_NEAR(unknown.slope, there.a_m / 10e-3, 1e-6 * unknown.slope);
     EXPECT_NE(in_words(unknown, pressed.recording.bodies, pressed.steps).find("table – tip"),
               std::string::npos);
