@@ -324,8 +324,12 @@ ShearLaw TomlReader::shear_law(const toml::table& table, const std::string& name
         friction ? number(*friction, "friction_coefficient", allowed) : *coefficient;
     if (law.friction_coefficient < 0) refuse(*friction, "friction_coefficient", allowed);
   } else if (law.has_friction_coefficient()) {
-    law.friction_coefficient =
-        positive(required(table, name, "friction_coefficient"), "friction_coefficient", 1);
+    // Above this a torque could become too large for a number in mN m.
+    constexpr double kLargest = 1e9;
+    const toml::node& typed = required(table, name, "friction_coefficient");
+    law.friction_coefficient = positive(typed, "friction_coefficient", 1);
+    if (law.friction_coefficient > kLargest)
+      refuse(typed, "friction_coefficient", "a finite number > 0, at most 1e9");
   } else if (friction) {
     refuse(*friction, "friction_coefficient",
            "nothing here: under shear_law = \"shear_strength\" the pressure does not matter");

@@ -747,6 +747,12 @@ TEST_F(Program, PredictsWithAnErrorBoundWhereOneIsKnown) {
 /// The first line of a text.
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
+TEST_F(Program, RefusesFrictionBeyondAnyNumberInMillinewtonMetres) {
+  std::string text = case_text();
+  text.replace(text.find("friction_coefficient = 0.8"), 26, "friction_coefficient = 1e308");
+  expect_refusal({"predict", folder.write("rough.toml", text).string()}, "at most 1e9");
+}
+
 TEST_F(Program, PredictBeginsWithTheAnswer) {
   const auto file = folder.write("case.toml", case_text("example", "1.0")).string();
   const ProgramRun result = run({"predict", file});
