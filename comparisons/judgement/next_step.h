@@ -22,7 +22,7 @@ struct NextStep {
 /// and where none of them helps the radii, finite elements or what has to be left out of the case.
 ///
 /// Asks models for other loads (microseconds) and, for a mesh, at up to a hundred other points,
-/// which ends after 0.3 s of the processor: for people, not for loops.
+/// usually 0.3 s and at most 3 s of the processor: for people, not for loops.
 /// @param resolver   of the case
 /// @param answer     not usable, with its assessment
 /// @param demand     by which it was assessed

@@ -26,9 +26,9 @@ Eigen::Vector3d extreme_point_m(const TriangleSurface& surface, const Eigen::Vec
 QuadricFit fit_around(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                       const Eigen::Vector3d* outward_normal);
 
-/// A search for another point ends after 0.3 s of the processor, so that its end does not depend on
-/// what else a machine does.
-constexpr std::clock_t kLongestSearch = 3 * CLOCKS_PER_SEC / 10;
+/// A search for another point, usually of 0.3 s, ends after 3 s of the processor, so that its end
+/// does not depend on what else a machine does.
+constexpr std::clock_t kLongestSearch = 3 * CLOCKS_PER_SEC;
 
 /// Vertices around a point, at most a hundred, the nearest first: dense beside it and sparse far
 /// away, each at least half its distance from the others.
