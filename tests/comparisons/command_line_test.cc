@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -131,7 +132,11 @@ TEST_F(CommandLine, ReadsTheNumbersOfAllOptionsAlike) {
       {"mesh", "sphere.stl", "--near"},
       {"fit", "sphere.stl", "--point"},
       {"fit", "sphere.stl", "--point", "0,0,20", "--radius-mm"}};
-  for (const std::vector<std::string>& command : commands)
+  // Built-in meshes need gmsh.
+  const bool has_meshes =
+      std::filesystem::exists(std::filesystem::path(SOFTFINGER_SHARE) / "meshes" / "sphere.stl");
+  for (const std::vector<std::string>& command : commands) {
+    if (command[1] == "sphere.stl" && !has_meshes) continue;
     for (const std::string number : {"nan", "inf", "-inf", "0x10", "1'000", "1_000", "2N", "1e999",
                                      "1,,2", ",", "1 2", "++1"}) {
       std::vector<std::string> typed = command;
@@ -139,6 +144,7 @@ TEST_F(CommandLine, ReadsTheNumbersOfAllOptionsAlike) {
       typed.back() += "=" + number;
       expect_refusal(typed, {option});
     }
+  }
   // A comma is no decimal point, and blanks after it are none of the numbers.
   expect_refusal({"predict", kCase, "--tolerance", "0,1"}, {"--tolerance = \"0,1\"", "0.5"});
   EXPECT_EQ(run({"predict", kCase, "--load", "1, 2"}).status, 0);
