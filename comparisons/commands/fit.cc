@@ -4,6 +4,8 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/mesh_points_text.h"
@@ -28,7 +30,7 @@ struct FitOptions {
 };
 
 std::string plus_minus(double std_m) {
-  return std::isfinite(std_m) ? "± " + prediction::millimetres(std_m) : "uncertainty unknown";
+  return std::isfinite(std_m) ? fmt::format("± {:.2g} mm", 1e3 * std_m) : "uncertainty unknown";
 }
 
 std::string region_dependence(const QuadricFit& fit, const std::array<double, 2>& change_m) {
@@ -37,8 +39,8 @@ std::string region_dependence(const QuadricFit& fit, const std::array<double, 2>
       return "how much they depend on the region is not known: neither 0.8 nor 1.25 times this "
              "radius gives another region that can be fitted";
   return fmt::format(
-      "with regions of 0.8 and 1.25 times this radius they change by up to {} and {}",
-      prediction::millimetres(change_m[0]), prediction::millimetres(change_m[1]));
+      "with regions of 0.8 and 1.25 times this radius they change by up to {:.2g} and {:.2g} mm",
+      1e3 * change_m[0], 1e3 * change_m[1]);
 }
 
 int run_fit(const FitOptions& options) {
@@ -61,8 +63,9 @@ int run_fit(const FitOptions& options) {
   const auto path = system::find_mesh_file(options.mesh, "");
   const auto file = read_typed_surface(path.string(), options.unit);
   const Eigen::Vector3d point_m = file.metres_per_unit * typed_point;
+  std::vector<std::string> remarks;  // the answer comes first
   for (const std::string& note : {meshes::repairs(file), finger_unit_remark(file)})
-    if (!note.empty()) remark(path.string() + ": " + note);
+    if (!note.empty()) remarks.push_back(path.string() + ": " + note);
   prediction::require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
   const auto advised = [&](const std::string& allowed) {
@@ -84,17 +87,18 @@ int run_fit(const FitOptions& options) {
     }
   }();
   if (!options.radius_given)
-    remark(fmt::format("no --radius-mm: {:.4g} mm taken, which holds {} points",
-                       fit.region_radius_m * 1e3, fit.points));
+    remarks.push_back(fmt::format("no --radius-mm: {:.4g} mm taken, which holds {} points",
+                                  fit.region_radius_m * 1e3, fit.points));
   if (fit.surface_kind == SurfaceKind::sharp_edge)
-    remark(advised(fmt::format(
+    remarks.push_back(advised(fmt::format(
         "a sharp edge of {:.3g}° lies in the region, where radii of curvature mean little",
         fit.sharpest_kink_rad * 180 / kPi)));
-  if (fit.outliers > 0) remark(fmt::format("{} outlying vertices were left out", fit.outliers));
+  if (fit.outliers > 0)
+    remarks.push_back(fmt::format("{} outlying vertices were left out", fit.outliers));
   const bool is_whole =
       is_whole_surface(file.surface, point_m, normal_pointer, fit.region_radius_m);
   if (is_whole)
-    remark(
+    remarks.push_back(
         fmt::format("a region of {:.4g} mm takes in the whole surface that faces this way: a "
                     "larger one shows nothing of how much the radii depend on it",
                     fit.region_radius_m * 1e3));
@@ -108,6 +112,9 @@ int run_fit(const FitOptions& options) {
     write_fits_page(options.page, options.mesh, input::unit_name(file.metres_per_unit),
                     file.surface, {point}, options.command_line);
   }
+  const auto say_remarks = [&remarks] {
+    for (const std::string& said : remarks) remark(said);
+  };
   if (options.json) {
     nlohmann::json object = prediction::to_json(fit);
     object["mesh"] = options.mesh;
@@ -121,22 +128,24 @@ int run_fit(const FitOptions& options) {
     object["duplicate_triangles"] = file.duplicate_triangles;
     object["turned_triangles"] = file.turned_triangles;
     system::write_to_stdout(text::printed(object));
+    say_remarks();
     return 0;
   }
   const auto& principal = fit.principal;
   system::write_text_to_stdout(fmt::format(
-      "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
-      "principal radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
+      "radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
       "{}\n"
+      "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
       "normal: {:.5f}, {:.5f}, {:.5f}\n"
       "x axis: {:.5f}, {:.5f}, {:.5f}\n"
       "residual: {:.3g} mm rms over {} points, {:.4g} mm², region radius {:.4g} mm\n",
-      fit.quadric.A_per_m, fit.quadric.B_per_m, fit.quadric.C_per_m,
       prediction::millimetres(principal.radii_m[0]), plus_minus(fit.radii_std_m[0]),
       principal.axis_rad * 180 / kPi, prediction::millimetres(principal.radii_m[1]),
-      plus_minus(fit.radii_std_m[1]), region_dependence(fit, region_change_m), fit.normal.x(),
-      fit.normal.y(), fit.normal.z(), fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(),
-      fit.residual_rms_m * 1e3, fit.points, fit.area_m2 * 1e6, fit.region_radius_m * 1e3));
+      plus_minus(fit.radii_std_m[1]), region_dependence(fit, region_change_m), fit.quadric.A_per_m,
+      fit.quadric.B_per_m, fit.quadric.C_per_m, fit.normal.x(), fit.normal.y(), fit.normal.z(),
+      fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points,
+      fit.area_m2 * 1e6, fit.region_radius_m * 1e3));
+  say_remarks();
   return 0;
 }
 

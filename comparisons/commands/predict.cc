@@ -24,6 +24,7 @@
 #include "comparisons/prediction/gap_sampling.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/system/terminal.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
@@ -247,7 +248,7 @@ int run_predict(const PredictOptions& options) {
         text += tilting_text(result);
       }
     }
-    system::write_text_to_stdout(text);
+    system::write_text_to_stdout(system::within_terminal(text));
   }
   return 0;
 }

@@ -17,8 +17,10 @@
 #include "comparisons/reference/fem_process.h"
 #include "comparisons/report/hold.h"
 #include "comparisons/report/select_page.h"
+#include "comparisons/simulation/overlapping_shapes.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/system/terminal.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "comparisons/text/percent.h"
@@ -215,6 +217,7 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
                      "a case: in a scene the models are chosen by how they change its motion");
   const input::Scene scene = input::read_scene(file, settings_of(options.typed_case));
   for (const std::string& line : scene.remarks) remark(line);
+  for (const std::string& line : simulation::overlap_remarks(scene)) remark(line);
   for (const input::ContactRule& rule : scene.rules)
     if (rule.shear_law.kind != ShearLaw::Kind::coulomb)
       throw InputError(
@@ -296,8 +299,8 @@ int run_select(SelectOptions options) {
   if (options.json)
     system::write_to_stdout(text::printed(result));
   else
-    system::write_text_to_stdout(first_lines + tables + "\n" + prediction::describe(contact_case) +
-                                 "\n");
+    system::write_text_to_stdout(system::within_terminal(
+        first_lines + tables + "\n" + prediction::describe(contact_case) + "\n"));
   return 0;
 }
 

@@ -165,6 +165,7 @@ struct Table {
   std::vector<double> friction_coefficient;  ///< empty where it is not known
   std::vector<std::string> failures;
   std::size_t rows = 0;
+  std::string leading_model;
 };
 
 Source source_of(const Columns& columns, const std::string& name) {
@@ -219,6 +220,7 @@ Table table_of(const Json& sweep) {
     load.values = table.loads_N;
     table.variables.push_back(std::move(load));
   }
+  table.leading_model = text(sweep, "leading_model");
   for (const Json& model : child(sweep, "models")) {
     const std::string name = text(model, "name");
     if (name.empty()) continue;
@@ -238,16 +240,14 @@ Table table_of(const Json& sweep) {
   return table;
 }
 
-/// The first that is usable somewhere, else the first with any answer.
-const Source* first_usable(const Table& table) {
-  const Source* answering = nullptr;
+/// The model that the sweep names, else the first with any answer.
+const Source* leading_model(const Table& table) {
   for (const Source& model : table.models)
-    for (std::size_t row = 0; row < table.rows; ++row) {
-      if (!model.answers(row)) continue;
-      if (model.valid[row]) return &model;
-      if (!answering) answering = &model;
-    }
-  return answering;
+    if (model.name == table.leading_model) return &model;
+  for (const Source& model : table.models)
+    for (std::size_t row = 0; row < table.rows; ++row)
+      if (model.answers(row)) return &model;
+  return nullptr;
 }
 
 struct Range {
@@ -332,7 +332,7 @@ Html finding_with_fem(const Table& table) {
 }
 
 Html finding_of_models(const Table& table) {
-  const Source* model = first_usable(table);
+  const Source* model = leading_model(table);
   if (!model) return "No model has an answer.";
   std::size_t answered = 0, valid = 0;
   for (std::size_t row = 0; row < table.rows; ++row)
@@ -580,7 +580,7 @@ Json sweep_chart_data(const Json& sweep, const Table& table) {
         {{"name", "eccentricity"}, {"label", "eccentricity eₙ = torque/(μP)"}, {"unit", "mm"}});
   for (const Source& model : table.models) sources.push_back(source_data(model, table));
   for (const Source& fem : table.fem) sources.push_back(source_data(fem, table));
-  const Source* first = first_usable(table);
+  const Source* first = leading_model(table);
   return {
       {"styles", chart_styles(sweep)}, {"rows", table.rows}, {"variables", variables},
       {"quantities", quantities},      {"sources", sources}, {"first", first ? first->name : ""}};

@@ -5,21 +5,26 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <csignal>
+#include <cstdint>
 #include <ctime>
 #include <exception>
 #include <fstream>
 #include <map>
 #include <mutex>
+#include <string_view>
 #include <thread>
 
+#include "comparisons/prediction/local_geometry.h"
 #include "comparisons/report/sweep_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
 #include "comparisons/text/json_text.h"
 #include "meshes/io/input_files.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/hash.h"
 
@@ -131,6 +136,71 @@ json identity_of(const SweepPlan& plan, const std::string& header) {
           {"columns", header}};
 }
 
+/// The sweep's answer in one line.
+struct LeadingModel {
+  std::string name;        ///< empty where no model is usable in any row
+  std::size_t usable = 0;  ///< the number of rows in which it is
+  double least_torque_Nm = INFINITY, largest_torque_Nm = -INFINITY;  ///< of these rows
+};
+
+/// The model that is recommended for the contact of the sweep's own case, by which `predict` would
+/// answer it. If it is not among the sweep's or is usable nowhere, the one that is usable in the
+/// most rows.
+LeadingModel leading_model(const SweepPlan& plan) {
+  std::vector<LeadingModel> leads(plan.models.size());
+  std::vector<std::size_t> torques(leads.size()), words(leads.size());
+  std::ifstream file(plan.output / "results.csv");
+  std::string line;
+  std::getline(file, line);
+  // The failure alone can be quoted, and it is last.
+  const auto split = [](std::string_view text, std::vector<std::string_view>& cells) {
+    cells.clear();
+    for (std::size_t start = 0; start <= text.size();) {
+      const std::size_t end = std::min(text.find(',', start), text.size());
+      cells.push_back(text.substr(start, end - start));
+      start = end + 1;
+    }
+  };
+  std::vector<std::string_view> cells;
+  split(line, cells);
+  for (std::size_t i = 0; i < leads.size(); ++i) {
+    leads[i].name = plan.models[i]->card().name;
+    const auto column = [&](const char* name) {
+      return std::size_t(std::find(cells.begin(), cells.end(), leads[i].name + name) -
+                         cells.begin());
+    };
+    torques[i] = column("_max_torque_Nm");
+    words[i] = column("_usable");
+  }
+  for (std::string row; std::getline(file, row);) {
+    split(row, cells);
+    for (std::size_t i = 0; i < leads.size(); ++i) {
+      if (std::max(words[i], torques[i]) >= cells.size() || cells[words[i]] != "yes") continue;
+      const double torque_Nm = std::strtod(std::string(cells[torques[i]]).c_str(), nullptr);
+      ++leads[i].usable;
+      leads[i].least_torque_Nm = std::min(leads[i].least_torque_Nm, torque_Nm);
+      leads[i].largest_torque_Nm = std::max(leads[i].largest_torque_Nm, torque_Nm);
+    }
+  }
+  std::string recommended;
+  try {
+    const input::Case& base = plan.sweep.base();
+    const double load_N = base.loads_N.front();
+    recommended =
+        default_model(prediction::contact_problem(base, plan.geometry.resolve(load_N), load_N))
+            .card()
+            .name;
+  } catch (const InputError&) {  // the swept values can mend a case that has no contact itself
+  }
+  const auto rank = [&](const LeadingModel& lead) {
+    return lead.usable > 0 && lead.name == recommended ? SIZE_MAX : lead.usable;
+  };
+  const auto best =
+      std::max_element(leads.begin(), leads.end(),
+                       [&](const auto& one, const auto& other) { return rank(one) < rank(other); });
+  return best == leads.end() || best->usable == 0 ? LeadingModel{} : *best;
+}
+
 /// At most 20000 rows for the page, evenly spaced among all; {"columns", "rows"}.
 json sample_of(const fs::path& results, std::size_t all_rows) {
   constexpr std::size_t kMostRows = 20000;
@@ -164,7 +234,8 @@ json sample_of(const fs::path& results, std::size_t all_rows) {
   return {{"columns", columns}, {"rows", rows}};
 }
 
-void write_page(const SweepPlan& plan, const std::string& command, std::size_t failed) {
+void write_page(const SweepPlan& plan, const LeadingModel& lead, const std::string& command,
+                std::size_t failed) {
   const input::Case& base = plan.sweep.base();
   json keys = json::array(), models = json::array();
   for (const SweptKey& swept : plan.sweep.keys()) {
@@ -182,6 +253,7 @@ void write_page(const SweepPlan& plan, const std::string& command, std::size_t f
                {"question", base.question},
                {"keys", keys},
                {"models", models},
+               {"leading_model", lead.name},
                {"fem", plan.sweep.fem()},
                {"loads_N", base.loads_N},
                {"points", plan.sweep.points()},
@@ -308,19 +380,34 @@ int LocalWorkers::make_rows(const SweepPlan& plan, RowsFile& file,
 
 namespace {
 
-/// Where the rows are, on standard output.
-int answer(const SweepPlan& plan, std::size_t failed, bool as_json) {
+/// The range of the torque and where the rows are, on standard output.
+int answer(const SweepPlan& plan, const LeadingModel& lead, std::size_t failed, bool as_json) {
   const std::string rows = fs::absolute(plan.output / "results.csv").string(),
                     page = fs::absolute(plan.output / "sweep.html").string();
-  if (as_json)
-    system::write_to_stdout(text::printed(json({{"sweep", plan.sweep.base().id},
-                                                {"rows", plan.sweep.rows()},
-                                                {"failed", failed},
-                                                {"results", rows},
-                                                {"page", page}})));
-  else
-    system::write_text_to_stdout(fmt::format("{}: {} rows in {}\nPage: {}\n", plan.sweep.base().id,
-                                             plan.sweep.rows(), rows, page));
+  const input::Case& base = plan.sweep.base();
+  if (as_json) {
+    json out = {{"sweep", base.id},
+                {"rows", plan.sweep.rows()},
+                {"failed", failed},
+                {"results", rows},
+                {"page", page}};
+    out["leading_model"] =
+        lead.name.empty()
+            ? json()
+            : json({{"model", lead.name},
+                    {"usable_rows", lead.usable},
+                    {"max_torque_Nm", {lead.least_torque_Nm, lead.largest_torque_Nm}}});
+    system::write_to_stdout(text::printed(out));
+  } else {
+    const std::string torque =
+        lead.name.empty()
+            ? "no model is usable in any row"
+            : fmt::format("torque {:.3g} to {:.3g} mN·m by {}, usable in {} of {} rows",
+                          1e3 * lead.least_torque_Nm, 1e3 * lead.largest_torque_Nm, lead.name,
+                          lead.usable, plan.sweep.rows());
+    system::write_text_to_stdout(
+        fmt::format("{}: {}\nRows: {}\nPage: {}\n", base.id, torque, rows, page));
+  }
   return failed > 0 ? 1 : 0;
 }
 
@@ -347,9 +434,10 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
     const bool is_same = before == identity && check.is_string();
     if (is_same && RowsFile::is_whole(results, check.get<std::string>())) {
       // The page can be missing after a full disk.
-      if (!fs::exists(plan.output / "sweep.html", missing)) write_page(plan, command, 0);
+      const LeadingModel lead = leading_model(plan);
+      if (!fs::exists(plan.output / "sweep.html", missing)) write_page(plan, lead, command, 0);
       progress.say(fmt::format("softfinger: {} is finished: reused", results.string()));
-      return as_json ? answer(plan, 0, true) : 0;
+      return answer(plan, lead, 0, as_json);
     }
     if (is_same && fs::exists(results, missing))
       progress.say(fmt::format("softfinger: {} was changed after it had been written: made again",
@@ -395,13 +483,14 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
   const std::size_t failed =
       std::size_t(std::count_if(failures.begin(), failures.end(),
                                 [](const std::string& failure) { return !failure.empty(); }));
-  write_page(plan, command, failed);
+  const LeadingModel lead = leading_model(plan);
+  write_page(plan, lead, command, failed);
   if (failed > 0)
     progress.say(
         fmt::format("softfinger: {} of {} finite-element results are missing; the same "
                     "command tries them again",
                     failed, plan.fem.jobs.size()));
-  return answer(plan, failed, as_json);
+  return answer(plan, lead, failed, as_json);
 }
 
 }  // namespace softfinger::sweep

@@ -1,7 +1,9 @@
 #include "comparisons/system/terminal.h"
 
+#include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 #include <vector>
@@ -59,6 +61,39 @@ std::string with_colours(const std::string& visible) {
     if (i + 1 < lines.size() || (!visible.empty() && visible.back() == '\n')) text += '\n';
   }
   return text;
+}
+
+std::string within_columns(const std::string& text, std::size_t columns) {
+  std::string out;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = text.substr(begin, end - begin);
+    const std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    // Columns of UTF-8: one for each byte that does not continue a character.
+    std::size_t column = 0, start = 0, space = std::string::npos;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      if (line[i] == ' ' && i > start + indent) space = i;
+      column += (static_cast<unsigned char>(line[i]) & 0xC0) != 0x80;
+      if (column <= columns || space == std::string::npos) continue;
+      out += line.substr(start, space - start) + "\n" + std::string(indent + 4, ' ');
+      start = space + 1;
+      i = space;
+      column = indent + 4;
+      space = std::string::npos;
+    }
+    out += line.substr(start);
+    if (end < text.size()) out += '\n';
+    begin = end + 1;
+  }
+  return out;
+}
+
+std::string within_terminal(const std::string& text) {
+  winsize size{};
+  if (isatty(STDOUT_FILENO) != 1 || ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 ||
+      size.ws_col < 20)
+    return text;
+  return within_columns(text, size.ws_col);
 }
 
 std::string message_with_colours(const std::string& line) {

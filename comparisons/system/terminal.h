@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 /// What the person at the terminal wants to see.
@@ -17,6 +18,12 @@ bool has_colour(int descriptor);
 /// in green and red.
 /// @param visible  without control characters but line breaks
 std::string with_colours(const std::string& visible);
+
+/// The text with longer lines broken at spaces, so that each fits the terminal that standard output
+/// is; as it is where that is none. What follows a break is indented by four columns more.
+std::string within_terminal(const std::string& text);
+/// The same for a terminal of so many columns, at least 20.
+std::string within_columns(const std::string& text, std::size_t columns);
 
 /// A line for standard error with its first words in colour: red for an error, yellow otherwise.
 /// @param line  "softfinger: error: ..." or "softfinger: ..."

@@ -61,7 +61,7 @@ def plot_contact(contacts, model: Optional[str] = None, axes: Any = None) -> Any
     axes.set_xlabel("x (mm), along the long axis")
     axes.set_ylabel("y (mm)")
     axes.set_title(
-        f"{model}: a = {1e3 * prediction.a_m:.3g} mm, b = {1e3 * prediction.b_m:.3g} mm, "
+        f"{model}: a = {1e3 * prediction.a_m:.3g} mm, b = {1e3 * prediction.b_m:.3g} mm\n"
         f"largest torque {1e3 * prediction.max_torque_Nm:.3g} mN·m"
     )
     return axes
