@@ -38,6 +38,7 @@ constexpr std::array<Quantity, 6> kQuantities{
      {"area", "area_m2", "area", "mm²", 1e6},
      {"max_torque", "max_torque_Nm", "largest torque", "mN·m", 1e3}}};
 constexpr std::size_t kArea = 4, kTorque = 5;
+constexpr std::array<std::size_t, 6> kInOrderOfInterest{kTorque, 0, 1, kArea, 2, 3};
 
 Html with_unit(const Html& number, const std::string& unit) {
   return unit.empty() ? number : html("{}{}{}", number, kSpace, unit);
@@ -331,22 +332,28 @@ Html finding_with_fem(const Table& table) {
       grouped(double(of_best.count)), count_text(double(compared), "row", "rows"));
 }
 
+/// The ranges over the rows in which the model is usable; over all its answers where it never is.
 Html finding_of_models(const Table& table) {
   const Source* model = leading_model(table);
   if (!model) return "No model has an answer.";
-  std::size_t answered = 0, valid = 0;
+  std::size_t answered = 0, usable = 0;
   for (std::size_t row = 0; row < table.rows; ++row)
     if (model->answers(row)) {
       ++answered;
-      valid += model->valid[row];
+      usable += model->valid[row];
     }
   std::vector<Html> parts;
-  for (std::size_t i = 0; i < kQuantities.size(); ++i)
-    if (const Range range = range_of(model->values[i]); range.count > 0)
+  for (const std::size_t i : kInOrderOfInterest) {
+    std::vector<double> values = model->values[i];
+    if (usable > 0)
+      for (std::size_t row = 0; row < table.rows; ++row)
+        if (!model->valid[row]) values[row] = NAN;
+    if (const Range range = range_of(values); range.count > 0)
       parts.push_back(html("{} {}", kQuantities[i].words,
                            range_text(range.least, range.largest, kQuantities[i].unit)));
-  return html("By {}: {}. It is usable in {} of {}.", label(model->name), listed(parts),
-              grouped(double(valid)), count_text(double(answered), "row", "rows"));
+  }
+  return html("By {}, usable in {} of {}: {}.", label(model->name), grouped(double(usable)),
+              count_text(double(answered), "row", "rows"), listed(parts));
 }
 
 Html loads_text(const Json& sweep) {
