@@ -29,6 +29,8 @@ preset=release kind=fem
 if [ "${1:-}" = --analytic-only ]; then preset=analytic-only kind=analytic; fi
 softfinger_prepare "$kind" test
 softfinger_use_ccache
+# What each source costs the compiler is printed at the end, so that growth is seen.
+export CMAKE_CXX_COMPILER_LAUNCHER="$PWD/tests/build_cost.py;measure${CMAKE_CXX_COMPILER_LAUNCHER:+;$CMAKE_CXX_COMPILER_LAUNCHER}"
 
 cmake --preset "$preset" -DSOFTFINGER_BUILD_TESTS=ON
 if [ "${1:-}" = --fast ]; then
@@ -46,3 +48,4 @@ cmake --preset sanitized -DSOFTFINGER_BUILD_TESTS=ON
 cmake --build --preset sanitized
 # Whole comparisons take minutes there and run above; their parts are all here.
 ctest --preset sanitized -j "$(nproc)" -L fast -E '^Compare\.'
+tests/build_cost.py report "build/$preset" build/sanitized

@@ -30,13 +30,21 @@ std::string bound_in_words(const ModelAnswer& answer, std::initializer_list<Quan
 /// To the four digits that the answer is worth at most.
 double rounded(double value) { return std::stod(fmt::format("{:.4g}", value)); }
 
+/// Narrow enough for a terminal of 80 columns.
+constexpr const char* kRow = "  {:<19} {:>5} {:>5} {:>6} {:>5} {:>6} {:>6} {:>8} {:>7}\n";
+
+std::string short_number(double value) {
+  return std::abs(value) < 1000 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
+}
+
 std::string model_row(const ModelAnswer& answer, prediction::TorqueRule rule) {
   const Prediction& p = answer.prediction;
   const FrictionEllipsoid limit = answer.friction_ellipsoid(rule);
-  return fmt::format("  {:<19} {:>7.3g} {:>6.3g} {:>7.3g} {:>6.3g} {:>7.3g} {:>6.3g} {:>9} {:>8}\n",
-                     answer.model->card().name, 2e3 * p.a_m, 2e3 * p.b_m, 1e3 * p.indentation_m,
-                     1e-3 * p.peak_pressure_Pa, 1e3 * limit.max_torque_Nm(),
-                     1e3 * limit.eccentricity_m,
+  return fmt::format(fmt::runtime(kRow), answer.model->card().name, short_number(2e3 * p.a_m),
+                     short_number(2e3 * p.b_m), short_number(1e3 * p.indentation_m),
+                     short_number(1e-3 * p.peak_pressure_Pa),
+                     short_number(1e3 * limit.max_torque_Nm()),
+                     short_number(1e3 * limit.eccentricity_m),
                      bound_in_words(answer, {Quantity::a, Quantity::b, Quantity::area}),
                      bound_in_words(answer, {Quantity::max_torque}));
 }
@@ -45,8 +53,14 @@ std::string model_row(const ModelAnswer& answer, prediction::TorqueRule rule) {
 
 std::string in_words(const std::optional<judgement::InputDoubt>& inputs) {
   if (!inputs) return "";
-  const double torque = inputs->relative[std::size_t(Quantity::max_torque)];
-  return " (by the inputs ± " + (std::isfinite(torque) ? text::percent(torque) : "?") + ")";
+  const double down = -inputs->torque_down, up = inputs->torque_up;
+  if (!std::isfinite(down) || !std::isfinite(up)) return " (by the inputs ± ?)";
+  if (down == 0 && up == 0) return "";
+  // Up to a few per cent both sides are the same.
+  constexpr double kSame = 1.1;
+  if (std::max(down, up) < kSame * std::min(down, up))
+    return " (by the inputs ± " + text::percent(std::max(down, up)) + ")";
+  return " (by the inputs -" + text::percent(down) + " to +" + text::percent(up) + ")";
 }
 
 std::string answer_line(double load_N, const ModelAnswer* answer, prediction::TorqueRule rule,
@@ -77,8 +91,8 @@ std::string models_text(const std::vector<ModelAnswer>& answers, const ModelAnsw
   const auto usable = judgement::usable_ones(answers, recommended);
   std::string text;
   if (!usable.empty())
-    text += fmt::format("  {:<19} {:>7} {:>6} {:>7} {:>6} {:>7} {:>6} {:>9} {:>8}\n", "usable",
-                        "2a mm", "2b mm", "d mm", "kPa", "mN·m", "e_n mm", "contact ±", "torque ±");
+    text += fmt::format(fmt::runtime(kRow), "usable", "2a mm", "2b mm", "d mm", "kPa", "mN·m",
+                        "e_n mm", "contact±", "torque±");
   for (const ModelAnswer* answer : usable) text += model_row(*answer, rule);
   for (const ModelAnswer& answer : answers)
     if (!answer.assessment || !answer.assessment->usable)

@@ -31,18 +31,19 @@ prediction::Demand DemandInput::demand() const {
   return demand;
 }
 
-void add_demand(CLI::App& command, DemandInput& typed, bool required) {
-  CLI::Option* tolerance =
-      command
-          .add_option("--tolerance", typed.tolerance,
-                      "relative error, geometry included, within which an answer is usable, 1e-6 "
-                      "to 10; 0.05 is 5 %" +
-                          std::string(required ? "" : "; default: 0.1"))
-          ->check(CLI::Range(1e-6, 10.));
-  if (required) tolerance->required();
-  command.add_option("--quantities", typed.quantities,
-                     "what has to be within the tolerance, separated by commas: a, b, indentation, "
-                     "area, peak_pressure, max_torque; default: a,b,area,max_torque");
+void add_demand(CLI::App& command, DemandInput& typed) {
+  command
+      .add_option("--tolerance", typed.tolerance,
+                  "relative error, geometry included, within which an answer is usable, 1e-6 "
+                  "to 10; 0.05 is 5 %; default: 0.1")
+      ->check(CLI::Range(1e-6, 10.));
+  command
+      .add_option("--quantities", typed.quantities,
+                  "what has to be within the tolerance, separated by commas: a, b, indentation, "
+                  "area, peak_pressure, max_torque; default: a,b,area,max_torque")
+      ->check([](const std::string& names) {
+        return names.empty() ? std::string("\"\": allowed: at least one quantity") : "";
+      });
 }
 
 }  // namespace softfinger::commands

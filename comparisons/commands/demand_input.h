@@ -17,6 +17,6 @@ struct DemandInput {
 };
 
 /// @param required  whether --tolerance has no default
-void add_demand(CLI::App& command, DemandInput& typed, bool required = false);
+void add_demand(CLI::App& command, DemandInput& typed);
 
 }  // namespace softfinger::commands

@@ -14,6 +14,7 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -42,6 +43,19 @@ std::optional<report::ExplorerStart> start_of(const CaseInput& typed) {
       prediction::contact_problem(contact_case, resolver.resolve(load_N), load_N)};
 }
 
+/// The torque of the contact from which the page starts, by the recommended model.
+std::string answer_in_words(const report::ExplorerStart& start) {
+  const PressureModel& model = default_model(start.problem);
+  const Prediction answer = model.predict(start.problem);
+  const double load_N = start.problem.load.normal_force_N;
+  if (!answer.has_answer)
+    return fmt::format("{}, {:g} N: no model has an answer", start.case_name, load_N);
+  return fmt::format(
+      "{}, {:g} N: torque {:.3g} mN·m by {}", start.case_name, load_N,
+      1e3 * start.problem.load.friction_coefficient * load_N * answer.torque_arm_exact_m,
+      model.card().name);
+}
+
 int run_explore(const ExploreOptions& options) {
   const std::string& output = options.output;
   if (output.empty())
@@ -52,15 +66,20 @@ int run_explore(const ExploreOptions& options) {
                                  "makes the page; install it and build again (Debian: {})",
                                  report::kExplorerPackages),
                      "", "");
+  const std::optional<report::ExplorerStart> start = start_of(options.typed_case);
   system::write_file_atomically(
       output, report::explorer_page("softfinger " + system::program_version(), options.command_line,
-                                    start_of(options.typed_case)));
-  remark("the page is " + output);
+                                    start));
   if (options.json) {
     nlohmann::json models = nlohmann::json::array();
     for (const PressureModel* model : explorer::models()) models.push_back(model->card().name);
     const nlohmann::json object = {{"page", output}, {"models", models}};
     system::write_to_stdout(text::printed(object));
+  } else {
+    system::write_text_to_stdout(fmt::format(
+        "{}\nPage: {}\n",
+        start ? answer_in_words(*start) : "sliders for any contact, from the models themselves",
+        output));
   }
   return 0;
 }

@@ -74,6 +74,10 @@ struct Plan {
 };
 
 void check(const FemOptions& options, const Plan& plan) {
+  if (plan.by_approach() && !options.typed_case.load_N.empty())
+    throw InputError("command line",
+                     "--approach-mm and --load both say how far the finger is pressed", "",
+                     "one of them");
   if (!std::isfinite(options.approach_mm))
     throw InputError("--approach-mm", "approach", options.approach_mm, "a finite number > 0 (mm)");
   if (!options.compliance.empty() && plan.loads_N.size() > 1)

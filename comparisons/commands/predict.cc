@@ -27,6 +27,7 @@
 #include "comparisons/system/terminal.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
+#include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -190,6 +191,10 @@ int run_predict(const PredictOptions& options) {
     // One search for all loads: it looks at many points of a mesh.
     if (!options.json && advice.empty() && first && !first->assessment->usable)
       advice = judgement::next_step(contact_case, resolver, *first, demand).in_words();
+    if (!options.json && advice.empty() && !first)
+      advice = fmt::format(
+          "without --model: {} is the recommended one",
+          default_model(prediction::contact_problem(contact_case, geometry, load_N)).card().name);
     evidence += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
                 table(answers, rule);
   }

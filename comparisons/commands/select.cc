@@ -312,7 +312,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "select",
       "The cheapest model whose stated error meets a tolerance, or a clear \"none\", and why");
   add_case(*command, options->typed_case);
-  add_demand(*command, options->demand, true);
+  add_demand(*command, options->demand);
   command
       ->add_option("--budget-us", options->selection.budget_us,
                    "longest time allowed for one answer, in microseconds, 1e-3 to 1e12; default: "

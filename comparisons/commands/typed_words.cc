@@ -70,7 +70,11 @@ bool is_name_of_model_or_simulator(const CLI::Option& option) {
 }  // namespace
 
 std::vector<std::string> with_version_as_option(std::vector<std::string> words) {
-  if (words.size() == 1 && words[0] == "version") words[0] = "--version";
+  const auto is_option = [](const std::string& word) { return !word.empty() && word[0] == '-'; };
+  const auto command = std::find_if_not(words.begin(), words.end(), is_option);
+  if (command != words.end() && *command == "version" &&
+      std::all_of(command + 1, words.end(), is_option))
+    return {"--version"};
   return words;
 }
 

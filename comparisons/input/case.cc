@@ -173,7 +173,11 @@ std::variant<RelativeRadii, BodyPair> read_geometry(const TomlReader& reader,
   }
   BodyPair pair;
   pair.finger = read_body(reader, reader.required(table, "[geometry]", "finger"), "finger", folder);
-  pair.object = read_body(reader, reader.required(table, "[geometry]", "object"), "object", folder);
+  if (!table.contains("object"))
+    reader.say(table,
+               "[geometry] has no object: a plane is object = { radii_mm = [inf, inf] }, a "
+               "ball object = { sphere_radius_mm = 20 }");
+  pair.object = read_body(reader, *table.get("object"), "object", folder);
   if (const toml::node* angle = table.get("angle_deg"))
     pair.angle_rad = kDegree * reader.number(*angle, "angle_deg", "a finite number of degrees");
   return pair;
@@ -448,7 +452,9 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
 
 Case parse_case(const std::string& text, const fs::path& file, const Settings& settings) {
   const toml::table root = parse_toml(text, file.string(), settings);
-  return case_of(root, text_of(root, text, settings), file);
+  Case read = case_of(root, text_of(root, text, settings), file);
+  read.settings = settings;
+  return read;
 }
 
 Case with_value(const Case& contact_case, const Doubt& doubt, double value) {

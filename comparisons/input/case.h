@@ -80,7 +80,8 @@ struct Case {
   std::string id;
   std::string question;  ///< may be empty
   std::filesystem::path file;
-  std::string text;  ///< of the file, for reproduction
+  Settings settings;  ///< the values from the command line that took the place of the file's
+  std::string text;   ///< of the file, for reproduction
   std::variant<RelativeRadii, BodyPair> geometry;
   std::string geometry_where;  ///< "file:line" of [geometry], for messages
   ElasticLayer layer;          ///< the finger's, or the only one

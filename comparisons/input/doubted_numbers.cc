@@ -39,9 +39,30 @@ Doubt read_doubt(const TomlReader& reader, const toml::table& table, const std::
   const std::string allowed = "a finite number > 0, the standard deviation in the value's unit";
   const double width = kStdsTo95 * reader.number(std, key + ".std", allowed);
   if (!(width > 0) || !std::isfinite(width)) reader.refuse(std, key + ".std", allowed);
+  // Elastic and friction constants, thicknesses, radii and loads are positive.
+  const bool is_positive = key.rfind("layer.", 0) == 0 || key.rfind("contact.", 0) == 0 ||
+                           key.find("radi") != std::string::npos;
+  if (is_positive && doubt.value > 0 && !(width < doubt.value))
+    reader.refuse(
+        std, key + ".std",
+        fmt::format("less than {:g}, half of the value, since two standard deviations "
+                    "hold 95 %; a larger doubt is a factor: {{ value = {:g}, factor = 2 }}",
+                    doubt.value / kStdsTo95, doubt.value));
   doubt.lower = doubt.value - width;
   doubt.upper = doubt.value + width;
   return doubt;
+}
+
+/// Whether a table was meant as a number with its doubt, well formed or not.
+bool is_meant_as_doubted(const toml::node& node) {
+  const toml::table* table = node.as_table();
+  return table && (table->contains("value") || table->contains("factor") || table->contains("std"));
+}
+
+void check_form(const TomlReader& reader, const toml::node& node, const std::string& key) {
+  if (is_meant_as_doubted(node) && !doubted_number(node))
+    reader.refuse(node, key,
+                  "a number, or { value = 300, factor = 2 }, or { value = 0.8, std = 0.1 }");
 }
 
 /// Moves the number out of its table to where it stands for all of it. It keeps its line of the
@@ -67,6 +88,7 @@ void settle(const TomlReader& reader, toml::node& node, const std::string& path,
       const std::string entry_path = path.empty() ? key : path + "." + key;
       const toml::table* doubted = doubted_number(entry);
       if (!doubted) {
+        check_form(reader, entry, entry_path);
         settle(reader, entry, entry_path, doubts);
         continue;
       }
@@ -78,6 +100,7 @@ void settle(const TomlReader& reader, toml::node& node, const std::string& path,
       const std::string entry_path = fmt::format("{}[{}]", path, i);
       const toml::table* doubted = doubted_number((*array)[i]);
       if (!doubted) {
+        check_form(reader, (*array)[i], entry_path);
         settle(reader, (*array)[i], entry_path, doubts);
         continue;
       }
@@ -98,7 +121,7 @@ Doubts settle_doubts(const TomlReader& reader, toml::table& root) {
 }
 
 bool has_doubts(const toml::node& node) {
-  if (doubted_number(node)) return true;
+  if (is_meant_as_doubted(node)) return true;
   if (const toml::table* table = node.as_table())
     return std::any_of(table->begin(), table->end(),
                        [](const auto& entry) { return has_doubts(entry.second); });

@@ -96,6 +96,8 @@ std::optional<InputDoubt> DoubtedCases::move(const ModelAnswer& answer, TorqueRu
   };
   const auto here = numbers_of(answer);
   std::vector<std::array<double, kNumbers>> largest(doubts_);
+  constexpr std::size_t kTorque = std::size_t(prediction::Quantity::max_torque);
+  std::vector<double> down(doubts_), up(doubts_);  // logarithms of the torque's factors
   for (const Varied& varied : varied_) {
     const double there_N = load_N(varied, answer.problem.load.normal_force_N);
     const ModelAnswer moved = prediction::ask_model(*answer.model, *varied.contact_case,
@@ -106,6 +108,12 @@ std::optional<InputDoubt> DoubtedCases::move(const ModelAnswer& answer, TorqueRu
       double& known = largest[varied.doubt][n];
       if (std::isnan(change) || change > known) known = change;
     }
+    const double factor =
+        moved.prediction.has_answer ? std::log(there[kTorque] / here[kTorque]) : kNaN;
+    for (auto [side, sign] : {std::pair(&down, -1.), std::pair(&up, 1.)}) {
+      double& most = (*side)[varied.doubt];
+      if (std::isnan(factor) || sign * factor > most) most = sign * factor;
+    }
   }
   std::array<double, kNumbers> sum{};
   for (const auto& changes : largest)
@@ -113,6 +121,13 @@ std::optional<InputDoubt> DoubtedCases::move(const ModelAnswer& answer, TorqueRu
   InputDoubt doubt;
   std::copy_n(sum.begin(), doubt.relative.size(), doubt.relative.begin());
   doubt.eccentricity = sum.back();
+  const auto together = [](const std::vector<double>& logs) {
+    double all = 0;
+    for (const double one : logs) all = std::hypot(all, one);
+    return all;
+  };
+  doubt.torque_down = std::expm1(-together(down));
+  doubt.torque_up = std::expm1(together(up));
   return doubt;
 }
 
@@ -120,6 +135,8 @@ nlohmann::json to_json(const std::optional<InputDoubt>& doubt) {
   if (!doubt) return nullptr;
   nlohmann::json json = prediction::to_json(std::optional(doubt->relative));
   json["eccentricity"] = text::finite_or_null(doubt->eccentricity);
+  json["max_torque_interval"] = {text::finite_or_null(doubt->torque_down),
+                                 text::finite_or_null(doubt->torque_up)};
   return json;
 }
 

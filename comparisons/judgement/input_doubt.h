@@ -22,8 +22,10 @@ std::string cost_of_inputs(const prediction::ModelAnswer& answer, prediction::To
 
 /// How far the doubts of a case's numbers move an answer, at 95 %, relative.
 struct InputDoubt {
-  prediction::QuantityErrors relative{};
-  double eccentricity = 0;  ///< of e_n
+  prediction::QuantityErrors relative{};  ///< the larger one of both sides
+  double eccentricity = 0;                ///< of e_n
+  /// Relative changes of the largest torque, down and up: -0.5 and 1 for a factor of 2 either way.
+  double torque_down = 0, torque_up = 0;
 };
 
 /// The case with each of its doubted numbers at either bound, and the geometry of each.
@@ -33,7 +35,8 @@ class DoubtedCases {
   DoubtedCases(const input::Case& contact_case, const prediction::GeometryResolver& known);
 
   /// The root of the sum of squares over the doubted numbers; of each the larger change of both
-  /// bounds, or of the one that the case allows. Nothing where no number is doubted, where there is
+  /// bounds, or of the one that the case allows. The two sides of the torque are sums of squares of
+  /// logarithms, since a factor stays one. Nothing where no number is doubted, where there is
   /// no answer, and for models slower than the hot path. Unknown (NaN) where the model has no
   /// answer at a bound.
   /// A load of the case moves with its own doubt, another load stays.

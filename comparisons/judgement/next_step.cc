@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <filesystem>
 #include <optional>
 #include <vector>
 
@@ -20,12 +21,31 @@
 namespace softfinger::judgement {
 namespace {
 
-/// What names the case in a command: a built-in one by its name.
+std::string quoted(const std::string& word) {
+  const bool is_plain = word.find_first_not_of(
+                            "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                            "0123456789_-./=,+") == std::string::npos;
+  if (is_plain) return word;
+  std::string text = "'";
+  for (const char letter : word) text += letter == '\'' ? "'\\''" : std::string(1, letter);
+  return text + "'";
+}
+
+/// What names the same contact in a command: the file, a built-in case by its name, and the values
+/// that were typed in place of the file's.
 std::string as_typed(const input::Case& contact_case) {
   const auto known = system::builtin_case_files();
-  return std::find(known.begin(), known.end(), contact_case.file) == known.end()
-             ? contact_case.file.string()
-             : contact_case.file.stem().string();
+  std::error_code missing;
+  std::string words = "CASE.toml (this contact in a file)";
+  if (std::find(known.begin(), known.end(), contact_case.file) != known.end())
+    words = contact_case.file.stem().string();
+  else if (std::filesystem::exists(contact_case.file, missing))
+    words = quoted(contact_case.file.string());
+  else
+    return words;
+  for (const input::Setting& setting : contact_case.settings)
+    words += " --set " + quoted(setting.key + "=" + setting.value);
+  return words;
 }
 
 using Eigen::Vector3d;
@@ -147,6 +167,16 @@ std::string other_load(const input::Case& contact_case, const GeometryResolver& 
   return "";
 }
 
+/// Whether the finite elements refuse it: there is no bone or core left to bond the layer to.
+bool is_thicker_than_finger(const ContactProblem& problem) {
+  constexpr double kMostOfRadius = 0.9;
+  const SurfaceCurvature& finger = problem.finger_curvature;
+  const double largest_per_m =
+      0.5 * (finger.xx_per_m + finger.yy_per_m) +
+      std::hypot(0.5 * (finger.xx_per_m - finger.yy_per_m), finger.xy_per_m);
+  return problem.layer.thickness_m * largest_per_m >= kMostOfRadius;
+}
+
 /// What no other point, load or model changes, and what to do about it.
 std::optional<NextStep> structural(const input::Case& contact_case, const ModelAnswer* answer) {
   const std::string compare = "softfinger compare " + as_typed(contact_case);
@@ -163,6 +193,10 @@ std::optional<NextStep> structural(const input::Case& contact_case, const ModelA
     return NextStep{"errors are known for neo-Hookean layers, and this one is " +
                         contact_case.fem_finite->material,
                     compare + ", or leave out [layer] material"};
+  if (answer && is_thicker_than_finger(answer->problem))
+    return NextStep{
+        "the layer leaves no core in the finger, whose smallest radius it nearly reaches",
+        "a thinner layer"};
   if (answer && answer->sampled)
     return NextStep{"the gap was sampled, and errors are known for the fitted quadric",
                     "leave out --gap sampled, or " + compare};
@@ -177,8 +211,9 @@ std::string last_resort(const input::Case& contact_case) {
         "if you know the radii: {} = {{ radii_mm = [9, 7] }} with your own in place "
         "of 9 and 7; or a finer scan",
         name);
-  return "softfinger compare " + as_typed(contact_case) +
-         " presses the finger itself by finite elements";
+  const bool has_finger = std::holds_alternative<input::BodyPair>(contact_case.geometry);
+  return fmt::format("softfinger compare {} presses the {} by finite elements",
+                     as_typed(contact_case), has_finger ? "finger itself" : "layer");
 }
 
 std::string with_alternative(const std::string& step, const input::Case& contact_case) {
@@ -193,9 +228,7 @@ std::string reason_of(const prediction::LocalGeometry& geometry, const ModelAnsw
   constexpr double kCovered = 0.9;
   if (geometry.patch && geometry.patch->covered < kCovered)
     return "the mesh is narrower than the contact or ends beside it";
-  const double open = worst_of(*found.geometry, demand.quantities);
-  return std::isfinite(open) ? fmt::format("the mesh leaves {} open", text::percent(open))
-                             : "what the mesh leaves open is not known";
+  return geometry_in_words(found, demand);
 }
 
 }  // namespace

@@ -35,7 +35,9 @@ std::string failed_assumption(const prediction::ModelAnswer& answer) {
       std::string message = check.message;
       constexpr std::string_view kNoAnswer = "no answer: ";
       if (message.rfind(kNoAnswer, 0) == 0) message.erase(0, kNoAnswer.size());
-      return message.substr(0, message.find_first_of(":;,("));
+      if (!answer.prediction.has_answer) return message;
+      message.resize(std::min(message.size(), message.find_first_of(":;,(")));
+      return message.substr(0, message.find_last_not_of(' ') + 1);
     }
   return "";
 }
@@ -57,12 +59,20 @@ std::string main_cause(const prediction::ModelAnswer& answer, Quantity quantity)
 
 }  // namespace
 
+std::string geometry_in_words(const Assessment& assessment, const prediction::Demand& demand) {
+  const double open =
+      assessment.geometry ? worst_of(*assessment.geometry, demand.quantities) : kNaN;
+  return std::isfinite(open) ? fmt::format("the mesh leaves {} open", text::percent(open))
+                             : "what the mesh leaves open is not known";
+}
+
 std::string reason_not_usable(const prediction::ModelAnswer& answer,
                               const prediction::Demand& demand) {
-  if (!answer.prediction.has_answer) return "no answer, " + failed_assumption(answer);
+  if (!answer.prediction.has_answer) return failed_assumption(answer);
   if (!answer.assessment) return "its error is not known";
   const Assessment& assessment = *answer.assessment;
-  if (!assessment.bound || !assessment.determined) return assessment.evidence;
+  if (!assessment.bound) return assessment.evidence;
+  if (!assessment.determined) return geometry_in_words(assessment, demand);
   const Quantity worst = worst_quantity(assessment, demand);
   return fmt::format("up to {} off in {}: {}", text::percent(assessment.total(worst)),
                      prediction::kQuantityNames[std::size_t(worst)], main_cause(answer, worst));

@@ -168,13 +168,13 @@ TEST_F(CommandLine, SaysOfAMissingArgumentWhatItHasToBe) {
   expect_refusal({"export", "seed_thumb"}, {"softfinger export: --to is missing: mujoco, bullet",
                                             "softfinger export --help"});
   expect_refusal({"mesh"}, {"softfinger mesh: MESH is missing: STL or OBJ", "mesh --help"});
-  expect_refusal({"select", "seed_thumb"}, {"--tolerance is missing", "select --help"});
   expect_refusal({"predict"}, {"CASE is missing", "softfinger predict --help"});
   expect_refusal({"predict", "seed_thumb", "--limit-surface", "1"}, {"predict --help"});
 }
 
 TEST_F(CommandLine, UnderstandsWhatPeopleType) {
   EXPECT_EQ(run({"version"}).out, run({"--version"}).out);
+  EXPECT_EQ(run({"version", "--quiet"}).out, run({"--version"}).out);
   EXPECT_NE(run({"version"}).out, "");
   const auto without_times = [](const std::string& text) {
     return std::regex_replace(text, std::regex(" +[0-9.]+(?=\n)"), "");
@@ -186,6 +186,9 @@ TEST_F(CommandLine, UnderstandsWhatPeopleType) {
   EXPECT_EQ(without_times(run({"predict", "seed_thumb", "--models", "Hertz,winkler"}).out),
             without_times(run({"predict", "seed_thumb", "--model", "hertz,winkler"}).out));
   EXPECT_EQ(run({"select", "seed_thumb", "--tolerance", "0.5", "--model", "hertz"}).status, 0);
+  EXPECT_NE(run({"select", "pad_on_plane", "--models", "layer_fft"}).out.find("layer_fft within"),
+            std::string::npos)
+      << "a slow model that is named is asked";
   EXPECT_EQ(run({"explain", "HERTZ"}).out, run({"explain", "hertz"}).out);
 }
 

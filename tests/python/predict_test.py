@@ -279,7 +279,7 @@ class Units(unittest.TestCase):
         self.assertRegex(
             str(warning.message), r"^predict: thickness_m = 2 \(usual: 10 um to 100 mm\)"
         )
-        self.assertIn("radius_major_m = 20 (usual: 0.1 mm to 1 m)", str(warning.message))
+        self.assertIn("radius_major_m = 20 (usual: 0.05 mm to 10 m)", str(warning.message))
         self.assertGreater(contact.a_m, 0)
 
     def test_every_number_with_a_unit_has_its_usual_range(self):

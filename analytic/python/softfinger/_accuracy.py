@@ -130,7 +130,7 @@ class Choice(Result):
 @takes_contacts
 def select(
     contacts,
-    tolerance: float = 0.05,
+    tolerance: float = 0.1,
     models: Optional[Sequence[str]] = None,
     quantities: Sequence[str] = USABLE,
 ) -> Choice:

@@ -43,13 +43,13 @@ class Usual:
         return (values >= self.low) & (values <= self.high)
 
 
-_FORCE = Usual(1e-3, 1e4, "1 mN to 10 kN")
+_FORCE = Usual(1e-4, 1e4, "0.1 mN to 10 kN")
 _MODULUS = Usual(1e3, 1e9, "1 kPa to 1 GPa")
 _LAYER = Usual(1e-5, 0.1, "10 um to 100 mm")
-_RADIUS = Usual(1e-4, 1.0, "0.1 mm to 1 m")
-_CURVATURE = Usual(-1e4, 1e4, "that of radii above 0.1 mm")
+_RADIUS = Usual(5e-5, 10.0, "0.05 mm to 10 m")
+_CURVATURE = Usual(-2e4, 2e4, "that of radii above 0.05 mm")
 _POISSON = Usual(0.0, 0.5, "0 to 0.5")
-_FRICTION = Usual(0.0, 10.0, "0 to 10")
+_FRICTION = Usual(0.01, 10.0, "0.01 to 10")
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,6 +1,6 @@
 #include "softfinger/calibration/advice.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,6 +8,7 @@
 #include "softfinger/calibration/statistics.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/dense_solvers.h"
 
 namespace softfinger {
 namespace {
@@ -197,19 +198,19 @@ Eigen::MatrixXd information(const CalibrationProblem& problem, const Calibration
   const Eigen::MatrixXd slopes =
       LeastSquares(predicted, weights, contains(problem.free, Parameter::thickness))
           .jacobian(calibration.values, problem.free);
-  return slopes.transpose() * slopes;
+  return internal::gram(slopes);
 }
 
 /// Standard deviation of the coordinate `index`; infinite where nothing is known of it.
 double std_of(const Eigen::MatrixXd& information, Eigen::Index index) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
-  const double largest = eigen.eigenvalues()[information.rows() - 1];
+  const internal::SymmetricEigen eigen = internal::symmetric_eigen(information);
+  const double largest = eigen.values[information.rows() - 1];
   double variance = 0;
   for (Eigen::Index k = 0; k < information.rows(); ++k) {
-    const double part = eigen.eigenvectors()(index, k);
+    const double part = eigen.vectors(index, k);
     if (std::abs(part) < 1e-9) continue;
-    if (!(eigen.eigenvalues()[k] > 1e-12 * largest)) return std::numeric_limits<double>::infinity();
-    variance += part * part / eigen.eigenvalues()[k];
+    if (!(eigen.values[k] > 1e-12 * largest)) return std::numeric_limits<double>::infinity();
+    variance += part * part / eigen.values[k];
   }
   return std::sqrt(variance);
 }
@@ -452,14 +453,13 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
       for (std::size_t n = 0; n < rest.size(); ++n)
         for (std::size_t m = 0; m < rest.size(); ++m)
           corner(Eigen::Index(n), Eigen::Index(m)) = known(rest[n], rest[m]);
-      if (!rest.empty())
-        pair -= cross * corner.completeOrthogonalDecomposition().solve(cross.transpose());
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(pair);
-      const Eigen::Vector2d best = eigen.eigenvectors().col(1);
-      if (!(eigen.eigenvalues()[1] > 25 * eigen.eigenvalues()[0])) continue;
+      if (!rest.empty()) pair -= cross * internal::pseudo_inverse(corner) * cross.transpose();
+      const internal::SymmetricEigen eigen = internal::symmetric_eigen(pair);
+      const Eigen::Vector2d best = eigen.vectors.col(1);
+      if (!(eigen.values[1] > 25 * eigen.values[0])) continue;
       // As a power of the second per power 1 of the first.
       const double power = best[1] / best[0];
-      const double std = 1 / std::sqrt(eigen.eigenvalues()[1]) / std::abs(best[0]);
+      const double std = 1 / std::sqrt(eigen.values[1]) / std::abs(best[0]);
       if (!(std::abs(power) > 0.05 && std::abs(power) < 20 && std < 0.3)) continue;
       sentences.push_back(symbol(one) + " and " + symbol(other) +
                           text(" are seen only together, as %s %s^%.2g, known to %.2g %%",

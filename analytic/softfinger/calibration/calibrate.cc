@@ -1,6 +1,6 @@
 #include "softfinger/calibration/calibrate.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +10,7 @@
 #include "softfinger/calibration/statistics.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/dense_solvers.h"
 
 namespace softfinger {
 namespace {
@@ -223,8 +224,7 @@ class Calibrator {
     const Eigen::VectorXd own =
         squares_.jacobian(fit.values, problem_.free).row(Eigen::Index(candidate)).transpose();
     weights_[candidate].counts = false;
-    const double leverage =
-        own.dot((slopes.transpose() * slopes).completeOrthogonalDecomposition().solve(own));
+    const double leverage = own.dot(internal::pseudo_inverse(internal::gram(slopes)) * own);
     const double size = std::abs(squares_.residuals(fit.values)[Eigen::Index(candidate)]) /
                         ((is_known ? std::max(1., scatter) : scatter) * std::sqrt(1 + leverage));
     return size > statistics::student_quantile(kChance / double(others + 1),
@@ -339,11 +339,11 @@ class Calibrator {
                                std::log(std) + 0.5 * std::log(2 * kPi);
     }
     const Eigen::MatrixXd slopes = squares_.jacobian(best_.values, problem_.free);
-    const Eigen::MatrixXd information = slopes.transpose() * slopes;
+    const Eigen::MatrixXd information = internal::gram(slopes);
     // A combination that the data do not tell at all has no information but rounding.
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information);
-    if (eigen.eigenvalues()[0] > 1e-12 * eigen.eigenvalues()[eigen.eigenvalues().size() - 1])
-      result.covariance = information.inverse();
+    const Eigen::VectorXd known = internal::symmetric_eigen(information).values;
+    if (known[0] > 1e-12 * known[known.size() - 1])
+      result.covariance = internal::inverse(information);
     return result;
   }
 

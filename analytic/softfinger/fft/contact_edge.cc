@@ -1,12 +1,12 @@
 #include "softfinger/fft/contact_edge.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <vector>
 
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/dense_solvers.h"
 
 namespace softfinger::fft {
 namespace {
@@ -150,7 +150,7 @@ ContactEdge fit_contact_edge(const CellGrid& grid, const Eigen::ArrayXd& pressur
       normal += weight * basis * basis.transpose();
       right += weight * (r - 1) * basis;
     }
-    coefficients = normal.ldlt().solve(right);
+    coefficients = internal::solve_semidefinite(normal, right);
     if (!(coefficients.cwiseAbs().sum() < 0.7)) fail(iteration, coefficients.cwiseAbs().sum());
     const double mean = coefficients[0];
     const double c2 = coefficients[even ? 1 : 3], s2 = even ? 0 : coefficients[4];

@@ -1,7 +1,7 @@
 #include "softfinger/geometry/contact_patch.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <exception>
@@ -32,6 +32,16 @@ std::string number(double value) {
   out.precision(3);
   out << value;
   return out.str();
+}
+
+/// The logarithm of the ratio of the eigenvalues of `to` relative to `from`, two symmetric positive
+/// definite matrices.
+double log_of_stretches(const Eigen::Matrix2d& from, const Eigen::Matrix2d& to) {
+  // The eigenvalues l of from^-1 to have this sum and this product.
+  const double half_sum = 0.5 * (from.inverse() * to).trace();
+  const double product = to.determinant() / from.determinant();
+  const double larger = half_sum + std::sqrt(std::max(0., half_sum * half_sum - product));
+  return std::log(larger * larger / product);
 }
 
 /// Mean over the region's area of the facets' sagittas: kappa e²/8 of the fitted quadric along each
@@ -288,9 +298,7 @@ struct ContactSurface::State {
     const auto too_much = [&](const Fits& blended) {
       const auto to = curvature(blended);
       if (!to) return true;
-      const Eigen::Vector2d ratios =
-          Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d>(*to, *from).eigenvalues();
-      return !(std::log(ratios[1] / ratios[0]) <= most);
+      return !(log_of_stretches(*from, *to) <= most);
     };
     if (!too_much(fit)) return;
     double kept = 0, dropped = 1;

@@ -1,9 +1,7 @@
 #include "softfinger/geometry/quadric_fit.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,6 +13,7 @@
 #include "softfinger/geometry/quadric_fit_internal.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/math/dense_solvers.h"
 
 namespace softfinger {
 namespace {
@@ -59,18 +58,21 @@ Eigen::MatrixXd quadric_columns(const Eigen::Matrix3d& frame, const Eigen::Matri
   return columns;
 }
 
-/// QR with columns of unit length. Its pivots then measure only how well the points are placed.
-template <class Columns>
-std::pair<Eigen::ColPivHouseholderQR<Columns>, Eigen::Matrix<double, 1, kUnknowns>> scaled_qr(
-    Columns columns) {
-  const Eigen::Matrix<double, 1, kUnknowns> norms =
-      columns.colwise().norm().cwiseMax(std::numeric_limits<double>::min());
-  columns.array().rowwise() /= norms.array();
-  Eigen::ColPivHouseholderQR<Columns> qr(columns);
+/// Least squares with columns of unit length. The pivots then measure only how well the points are
+/// placed.
+internal::LeastSquaresSolution scaled_least_squares(Eigen::MatrixXd columns,
+                                                    const Eigen::VectorXd& right) {
   // Points on a conic (two lines, a circle) fit infinitely many quadrics. Coordinates from STL
   // files carry seven digits: for such points the pivot that should vanish is near 1e-7, not 1e-16.
-  qr.setThreshold(1e-5);
-  return {qr, norms};
+  constexpr double kThreshold = 1e-5;
+  Coefficients norms;
+  for (int k = 0; k < kUnknowns; ++k) {
+    norms[k] = std::max(columns.col(k).norm(), std::numeric_limits<double>::min());
+    columns.col(k) /= norms[k];
+  }
+  internal::LeastSquaresSolution found = internal::least_squares(columns, right, kThreshold);
+  for (int k = 0; k < kUnknowns; ++k) found.solution(k, 0) /= norms[k];
+  return found;
 }
 
 /// The facets of a region and what a quadric looks like on them.
@@ -220,9 +222,7 @@ class ReducedProblem {
     terms(kMonomials - 1, 5) = 1;
     const Eigen::Matrix<double, kMonomials, kUnknowns> columns = factor_ * terms;
     const Eigen::Matrix<double, kMonomials, 1> depths = -(factor_.middleCols<3>(6) * frame.col(2));
-    const auto [qr, norms] = scaled_qr(columns);
-    const Coefficients scaled = qr.solve(depths);
-    return scaled.cwiseQuotient(norms.transpose());
+    return scaled_least_squares(columns, depths).solution.col(0);
   }
 
  private:
@@ -332,7 +332,7 @@ Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
       r.areas[region.corners(corner, i)] += share;
     }
   }
-  r.gain = h.ldlt().solve(sums);
+  r.gain = internal::solve_semidefinite(h, sums);
   r.of_vertices = vertex_residuals(facets, fit, r.areas);
   const Matrix6 spread = r.gain * r.gain.transpose();
   r.variances.resize(n);
@@ -551,8 +551,8 @@ void check_determined(const SurfaceRegion& region, const Eigen::Matrix3Xd& verti
                      "at least 6 (choose a larger radius or a finer mesh)");
   }
   const Eigen::Matrix3d frame = surface_axes(region.mean_normal);
-  if (scaled_qr(quadric_columns(frame, vertices.leftCols(n), region_radius_m)).first.rank() <
-      kUnknowns) {
+  const Eigen::MatrixXd columns = quadric_columns(frame, vertices.leftCols(n), region_radius_m);
+  if (scaled_least_squares(columns, Eigen::VectorXd::Zero(n)).rank < kUnknowns) {
     throw InputError("surface", field, std::to_string(n),
                      "vertices that determine a quadric: these lie on a line or a conic (choose a "
                      "larger radius or a finer mesh)");

@@ -1,6 +1,5 @@
 #include "softfinger/layer/elliptic_contact.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include "softfinger/input/errors.h"
 #include "softfinger/layer/layer_limits.h"
 #include "softfinger/layer/spherical_bessel.h"
+#include "softfinger/math/dense_solvers.h"
 #include "softfinger/math/gauss_legendre.h"
 
 namespace softfinger {
@@ -237,7 +237,7 @@ EllipticLayerContact elliptic_layer_contact(double a, double b, const LayerKerne
   const MatrixXd matrix =
       galerkin_matrix(modes, harmonics_of_compliance(a, b, kernel, radial, angular));
   const MatrixXd moments = moments_of_modes(modes, a, b, angular);
-  const MatrixXd solutions = matrix.llt().solve(moments);
+  const MatrixXd solutions = internal::solve_definite(matrix, moments);
 
   const EdgeExpansion edge(modes, solutions, a, b, angular);
   const FittedShape fitted = fit_shape(edge, a, angular);

@@ -1,6 +1,5 @@
 #include "softfinger/layer/stuck_contact.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "softfinger/input/constants.h"
 #include "softfinger/layer/spherical_bessel.h"
+#include "softfinger/math/dense_solvers.h"
 #include "softfinger/math/gauss_legendre.h"
 
 namespace softfinger {
@@ -136,7 +136,7 @@ double rigid_motion_stiffness(const std::vector<TractionMode>& modes,
     else if (mode.component == shifted_component)
       work[i] = 2 * kPi * a * b;
   }
-  return work.dot(matrix.selfadjointView<Eigen::Lower>().llt().solve(work));
+  return internal::solve_definite(matrix, work).col(0).dot(work);
 }
 
 }  // namespace

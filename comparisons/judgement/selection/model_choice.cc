@@ -31,6 +31,7 @@ void take(const prediction::Assessment& found, Candidate& candidate) {
     for (std::size_t q = 0; q < kQuantities; ++q) (*candidate.bound)[q] = found.total(Quantity(q));
   }
   candidate.usable = found.usable;
+  candidate.asked = true;
   candidate.remark = found.evidence;
 }
 
@@ -42,20 +43,27 @@ int cost_class(bool hot_path, double cost_us) {
 
 Candidate candidate_of(const PressureModel& model, const input::Case& contact_case,
                        const prediction::LocalGeometry& geometry, double load_N,
-                       const prediction::Demand& demand) {
+                       const SelectionOptions& options) {
   Candidate candidate;
   candidate.model = std::string(model.card().name);
   if (!model.card().hot_path) {
     candidate.cost_us = error_atlas().cost_ns(candidate.model) * 1e-3;
     candidate.cost_class = cost_class(false, candidate.cost_us);
-    candidate.remark = "not asked, because of its time; predict --model " + candidate.model +
-                       " tells how far off it is";
+    if (options.models.empty()) {
+      candidate.remark = "not asked, because of its time; --models " + candidate.model + " asks it";
+      return candidate;
+    }
+    take(assess(contact_case, geometry,
+                prediction::ask_model(model, contact_case, geometry, load_N, 0),
+                prediction::TorqueRule::exact, options.demand),
+         candidate);
     return candidate;
   }
   const prediction::ModelAnswer answer =
       prediction::ask_model(model, contact_case, geometry, load_N, kShortBudget_ns);
   candidate.cost_us = answer.cost_ns * 1e-3;
-  take(assess(contact_case, geometry, answer, prediction::TorqueRule::exact, demand), candidate);
+  take(assess(contact_case, geometry, answer, prediction::TorqueRule::exact, options.demand),
+       candidate);
   return candidate;
 }
 
@@ -154,8 +162,7 @@ Choice choose_model(const input::Case& contact_case, const prediction::LocalGeom
   };
   for (const PressureModel* model : all_pressure_models())
     if (allowed(model->card().name))
-      choice.candidates.push_back(
-          candidate_of(*model, contact_case, geometry, load_N, options.demand));
+      choice.candidates.push_back(candidate_of(*model, contact_case, geometry, load_N, options));
   if (allowed("fem"))
     choice.candidates.push_back(finite_elements(contact_case, geometry, load_N, options.demand));
   for (Candidate& candidate : choice.candidates) judge(candidate, options);
@@ -205,7 +212,7 @@ nlohmann::json to_json(const Choice& choice) {
         {{"model", candidate.model},
          {"cost_us", text::finite_or_null(candidate.cost_us)},
          {"error_bound", prediction::to_json(candidate.bound)},
-         {"usable", candidate.usable},
+         {"usable", candidate.asked ? json(candidate.usable) : json()},
          {"worst", candidate.bound ? text::finite_or_null(candidate.worst) : json()},
          {"worst_quantity",
           candidate.bound ? json(kQuantityNames[std::size_t(candidate.worst_quantity)]) : json()},
@@ -227,12 +234,13 @@ nlohmann::json results_json(const Choice& choice) {
   nlohmann::json results = nlohmann::json::array();
   for (std::size_t i = 0; i < choice.candidates.size(); ++i) {
     const Candidate& candidate = choice.candidates[i];
-    results.push_back({{"load_N", choice.load_N},
-                       {"model", candidate.model},
-                       {"usable", candidate.usable},
-                       {"recommended", int(i) == choice.chosen},
-                       {"error_bound", prediction::to_json(candidate.bound)},
-                       {"cost_us", text::finite_or_null(candidate.cost_us)}});
+    results.push_back(
+        {{"load_N", choice.load_N},
+         {"model", candidate.model},
+         {"usable", candidate.asked ? nlohmann::json(candidate.usable) : nlohmann::json()},
+         {"recommended", int(i) == choice.chosen},
+         {"error_bound", prediction::to_json(candidate.bound)},
+         {"cost_us", text::finite_or_null(candidate.cost_us)}});
   }
   return results;
 }

@@ -31,6 +31,7 @@ struct Candidate {
   /// is less than what one measurement differs from the next; the others differ by decades.
   int cost_class = 0;
   std::optional<QuantityErrors> bound;  ///< `Assessment::total`: what the fit leaves open included
+  bool asked = false;
   bool usable = false;  ///< the demand is met: what predict says for the same demand
   double worst = 0;     ///< largest bound among the demanded quantities
   Quantity worst_quantity = Quantity::a;
@@ -51,7 +52,7 @@ struct Choice {
   std::string reason;     ///< one or two sentences
 };
 
-/// Models that take longer than microseconds are not asked, and have no bound.
+/// Models that take longer than microseconds are asked only where they are named.
 Choice choose_model(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
                     double load_N, const SelectionOptions& options);
 
