@@ -10,6 +10,7 @@
 #include "comparisons/input/recorded_contacts.h"
 #include "comparisons/system/files.h"
 #include "comparisons/text/json_text.h"
+#include "softfinger/dynamics/step/contact_lcp_solver.h"
 
 namespace softfinger::commands {
 namespace {

@@ -6,15 +6,20 @@
 #include <cstdio>
 #include <utility>
 
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "tests/dynamics/random_scene.h"
 
 namespace softfinger {
 namespace {
 
+constexpr int kRungs = int(SolvedBy::facets) + 1;
+
 struct Count {
   int failures = 0, wedged = 0, most_attempts = 0;
+  int solved_by[kRungs] = {};
   double worst = 0;
+
+  int by(SolvedBy rung) const { return solved_by[int(rung)]; }
 };
 
 /// The residual that one rounding of each term of W r causes. Impulses between wedged bodies can be
@@ -39,6 +44,7 @@ Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7, bool with
     problem.shapes.assign(std::size_t(problem.contacts()), &shape);
     const LcpResult result = solver.solve(problem, solution);
     count.most_attempts = std::max(count.most_attempts, result.attempts);
+    ++count.solved_by[int(result.solved_by)];
     if (result.status != LcpStatus::solved) {
       EXPECT_EQ(result.proof, RayProof::none) << trial;  // bodies always have a solution
       ++count.failures;
@@ -56,6 +62,9 @@ Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7, bool with
   }
   std::printf("failures %d, wedged %d, worst residual of the others %.1e, at most %d attempts\n",
               count.failures, count.wedged, count.worst, count.most_attempts);
+  std::printf("solved by none/separating/still/warm/first start/drawn start/facets:");
+  for (const int scenes_of_rung : count.solved_by) std::printf(" %d", scenes_of_rung);
+  std::printf("\n");
   return count;
 }
 
@@ -71,19 +80,30 @@ TEST(RandomScenes, NoneOfTenThousandOthersFails) {
   EXPECT_EQ(count.failures + count.wedged, 0);
 }
 
-TEST(RandomScenes, NoneOfTenThousandFailsWithTheExactEllipsoid) {
-  const Count count = solve(10000, FrictionRule::ellipsoid);
-  EXPECT_EQ(count.failures + count.wedged, 0);
+/// The histogram of the rungs that solve them. It is wider than what is measured, 72 drawn starts
+/// of 10,000, by what rounding changes. A wrong derivative solves these scenes just as well, but
+/// from lower rungs.
+TEST(RandomScenes, NoneOfTwentyThousandFailsWithTheExactEllipsoid) {
+  for (const unsigned seed : {7u, 3u}) {
+    const Count count = solve(10000, FrictionRule::ellipsoid, seed);
+    EXPECT_EQ(count.failures + count.wedged, 0);
+    EXPECT_EQ(count.by(SolvedBy::facets), 0);
+    EXPECT_LE(count.by(SolvedBy::drawn_start), 100);
+    EXPECT_EQ(count.by(SolvedBy::still) + count.by(SolvedBy::warm), 0);
+  }
 }
 
 TEST(RandomScenes, NoneOfTwoThousandFailsWithSixPatches) {
   const Count count = solve(2000, FrictionRule::limit_surface);
   EXPECT_EQ(count.failures + count.wedged, 0);
+  EXPECT_EQ(count.by(SolvedBy::facets), 0);
+  EXPECT_LE(count.by(SolvedBy::drawn_start), 30);
 }
 
 TEST(RandomScenes, NoneFailsWhereTheBodiesAreKnown) {
   Count count = solve(10000, FrictionRule::ellipsoid, 7, true);
   EXPECT_EQ(count.failures + count.wedged, 0);
+  EXPECT_LE(count.by(SolvedBy::drawn_start), 100);
   count = solve(500, FrictionRule::limit_surface, 7, true);
   EXPECT_EQ(count.failures + count.wedged, 0);
 }
@@ -151,7 +171,7 @@ TEST(RandomScenes, ContactsThatAreNearlyRepeatedDoNotFail) {
   std::printf("at most %d attempts\n", most_attempts);
 }
 
-/// Proximal points solve nearly all of these before a path would begin, 38 from their first start.
+/// Nine of ten are solved from the first start.
 TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
   constexpr int kContacts = 100, kScenes = 40;
   for (const bool are_bodies_known : {false, true}) {
@@ -159,7 +179,7 @@ TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
     scenes.gives_roots = are_bodies_known;
     ContactLcpSolver solver(kContacts, 0);
     ContactSolution solution;
-    int without_path = 0, wedged = 0;
+    int without_path = 0, from_first_start = 0, wedged = 0;
     for (int trial = 0; trial < kScenes; ++trial) {
       ContactLcp problem = scenes.next(kContacts, 16);
       problem.friction_rule = FrictionRule::ellipsoid;
@@ -170,8 +190,10 @@ TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
           << trial;
       wedged += residual > 1e-10;
       without_path += result.attempts == 0;
+      from_first_start += result.solved_by == SolvedBy::first_start;
     }
     EXPECT_GE(without_path, kScenes - 1) << are_bodies_known;
+    EXPECT_GE(from_first_start, kScenes * 9 / 10) << are_bodies_known;
     // Of 1,024 such scenes three are solved to the rounding of W r only, either way.
     EXPECT_LE(wedged, are_bodies_known ? 1 : 0);
   }

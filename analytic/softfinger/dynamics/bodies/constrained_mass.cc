@@ -1,0 +1,71 @@
+#include "softfinger/dynamics/bodies/constrained_mass.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "softfinger/math/wide.h"
+
+namespace softfinger {
+
+void ConstrainedMass::compute(const Eigen::MatrixXd& mass, const Eigen::MatrixXd& constraints) {
+  factors_.compute(mass);
+  root_.resize(0, constraints.rows());
+  along_.resize(0, mass.cols());
+  if (constraints.rows() == 0) return;
+  const Eigen::MatrixXd response = factors_.solve(constraints.transpose());  // K
+  const Eigen::MatrixXd coupling = constraints * response;                   // S
+  const Eigen::VectorXd scale =
+      coupling.diagonal().unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(scale.asDiagonal() * coupling *
+                                                             scale.asDiagonal());
+  constexpr double kRepeated = 1e-10;
+  const Eigen::VectorXd& values = modes.eigenvalues();
+  const double least = kRepeated * values.tail<1>()[0];
+  const Eigen::Index count = (values.array() > least).count();
+  if (!(least > 0) || count == 0) return;
+  root_ = values.tail(count).cwiseSqrt().cwiseInverse().asDiagonal() *
+          modes.eigenvectors().rightCols(count).transpose() * scale.asDiagonal();
+  along_ = root_ * response.transpose();
+}
+
+Eigen::VectorXd ConstrainedMass::solve(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd result = x;
+  solve_in_place(result);
+  return result;
+}
+
+void ConstrainedMass::solve_in_place(Eigen::Ref<Eigen::VectorXd> x) const {
+  if (!is_constrained()) {
+    factors_.solveInPlace(x);
+    return;
+  }
+  const Eigen::VectorXd taken = along_.transpose() * (along_ * x);
+  factors_.solveInPlace(x);
+  x -= taken;
+}
+
+/// X = J L^-T with M = L L^T, column after column: of few contacts there is little to do in each,
+/// and of free bodies half of L is zero.
+void ConstrainedMass::half(const Eigen::MatrixXd& jacobian, Eigen::MatrixXd& half) const {
+  half = jacobian;
+  const Eigen::MatrixXd& factor = factors_.matrixLLT();
+  const Eigen::Index rows = half.rows();
+  with_best_instructions([&] {
+    for (Eigen::Index k = 0; k < half.cols(); ++k) {
+      double* own = half.data() + k * rows;
+      for (Eigen::Index other = 0; other < k; ++other) {
+        const double share = factor(k, other);
+        const double* from = half.data() + other * rows;
+        if (share == 0) continue;
+        for (Eigen::Index row = 0; row < rows; ++row) own[row] -= share * from[row];
+      }
+      for (Eigen::Index row = 0; row < rows; ++row) own[row] /= factor(k, k);
+    }
+  });
+}
+
+Eigen::VectorXd ConstrainedMass::velocity_with(const Eigen::VectorXd& b) const {
+  return along_.transpose() * (root_ * b);
+}
+
+}  // namespace softfinger
