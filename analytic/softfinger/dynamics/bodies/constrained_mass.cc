@@ -3,17 +3,21 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "softfinger/dynamics/bodies/cholesky.h"
 #include "softfinger/math/wide.h"
 
 namespace softfinger {
 
 void ConstrainedMass::compute(const Eigen::MatrixXd& mass, const Eigen::MatrixXd& constraints) {
-  factors_.compute(mass);
+  factor_ = mass;
+  internal::factorise_cholesky(factor_);
   root_.resize(0, constraints.rows());
   along_.resize(0, mass.cols());
   if (constraints.rows() == 0) return;
-  const Eigen::MatrixXd response = factors_.solve(constraints.transpose());  // K
-  const Eigen::MatrixXd coupling = constraints * response;                   // S
+  Eigen::MatrixXd response = constraints.transpose();  // becomes K
+  for (Eigen::Index row = 0; row < constraints.rows(); ++row)
+    internal::solve_cholesky(factor_, response.col(row));
+  const Eigen::MatrixXd coupling = constraints * response;  // S
   const Eigen::VectorXd scale =
       coupling.diagonal().unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.; });
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(scale.asDiagonal() * coupling *
@@ -36,11 +40,11 @@ Eigen::VectorXd ConstrainedMass::solve(const Eigen::VectorXd& x) const {
 
 void ConstrainedMass::solve_in_place(Eigen::Ref<Eigen::VectorXd> x) const {
   if (!is_constrained()) {
-    factors_.solveInPlace(x);
+    internal::solve_cholesky(factor_, x);
     return;
   }
   const Eigen::VectorXd taken = along_.transpose() * (along_ * x);
-  factors_.solveInPlace(x);
+  internal::solve_cholesky(factor_, x);
   x -= taken;
 }
 
@@ -48,18 +52,17 @@ void ConstrainedMass::solve_in_place(Eigen::Ref<Eigen::VectorXd> x) const {
 /// and of free bodies half of L is zero.
 void ConstrainedMass::half(const Eigen::MatrixXd& jacobian, Eigen::MatrixXd& half) const {
   half = jacobian;
-  const Eigen::MatrixXd& factor = factors_.matrixLLT();
   const Eigen::Index rows = half.rows();
   with_best_instructions([&] {
     for (Eigen::Index k = 0; k < half.cols(); ++k) {
       double* own = half.data() + k * rows;
       for (Eigen::Index other = 0; other < k; ++other) {
-        const double share = factor(k, other);
+        const double share = factor_(k, other);
         const double* from = half.data() + other * rows;
         if (share == 0) continue;
         for (Eigen::Index row = 0; row < rows; ++row) own[row] -= share * from[row];
       }
-      for (Eigen::Index row = 0; row < rows; ++row) own[row] /= factor(k, k);
+      for (Eigen::Index row = 0; row < rows; ++row) own[row] /= factor_(k, k);
     }
   });
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 namespace softfinger {
@@ -34,9 +33,9 @@ class ConstrainedMass {
   }
 
  private:
-  Eigen::LLT<Eigen::MatrixXd> factors_;
-  Eigen::MatrixXd root_;   ///< S^+ = root^T root
-  Eigen::MatrixXd along_;  ///< root K^T
+  Eigen::MatrixXd factor_;  ///< L of M = L L^T, in the lower triangle
+  Eigen::MatrixXd root_;    ///< S^+ = root^T root
+  Eigen::MatrixXd along_;   ///< root K^T
 };
 
 }  // namespace softfinger

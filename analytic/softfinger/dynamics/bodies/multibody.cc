@@ -1,12 +1,12 @@
 #include "softfinger/dynamics/bodies/multibody.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 #include <utility>
 
+#include "softfinger/dynamics/bodies/cholesky.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
@@ -28,6 +28,19 @@ int count_loop_rows(JointKind kind) {
   int rows = 0;
   for (int motion = 0; motion < 6; ++motion) rows += is_held(kind, motion);
   return rows;
+}
+
+/// A turn of the z axis to `axis`, of any length. Eigen's own decomposes a matrix for that.
+Eigen::Matrix3d turned_to(const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d to = axis.normalized();
+  if (to.z() < -0.5) {  // by half a turn about x first
+    const Eigen::Vector3d opposite(1, -1, -1);
+    return opposite.asDiagonal() * turned_to(opposite.cwiseProduct(to));
+  }
+  const double x = to.x(), y = to.y(), part = 1 / (1 + to.z());
+  Eigen::Matrix3d turn;
+  turn << 1 - x * x * part, -x * y * part, x, -x * y * part, 1 - y * y * part, y, -x, -y, to.z();
+  return turn;
 }
 
 }  // namespace
@@ -105,8 +118,7 @@ Multibody::Multibody(std::vector<BodyDescription> bodies, std::vector<JointDescr
   for (const LoopDescription& loop : loops_) {
     check(loop);
     Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
-    frame.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), loop.axis).toRotationMatrix();
+    frame.linear() = turned_to(loop.axis);
     frame.translation() = loop.anchor_m;
     loop_frames_.push_back(
         {pose_or_world(loop.a).inverse() * frame, pose_or_world(loop.b).inverse() * frame});
@@ -211,8 +223,8 @@ void Multibody::add_joints_below(const std::vector<int>& joints) {
   }
 }
 
-/// What a body hangs on in the end: a free body b, as b, or a joint j that holds on to what does
-/// not move, as bodies() + j. -1 for a fixed body, the world, and joints in a ring.
+/// The root that a body hangs on: a free body b, as b, or a joint j whose parent does not move, as
+/// bodies() + j. -1 for a fixed body, the world, and joints in a ring.
 int Multibody::seed_of(int body) const {
   for (int links = 0; body >= 0 && links <= joints(); ++links) {
     if (bodies_[std::size_t(body)].fixed) return -1;
@@ -471,7 +483,7 @@ void Multibody::mass_matrix(const Tree& tree, Eigen::Ref<Eigen::MatrixXd> matrix
   }
 }
 
-/// Where massless bodies are, their joints must still move some.
+/// A joint of a massless body must move some mass all the same. @throws InputError
 void Multibody::require_masses() const {
   for (const Tree& tree : trees_) {
     const auto is_massless = [this](int b) { return bodies_[std::size_t(b)].massless; };
@@ -485,11 +497,11 @@ void Multibody::require_masses() const {
     Eigen::MatrixXd matrix(tree.count, tree.count);
     mass_matrix(tree, matrix);
     const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
+    Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
+    // The least eigenvalue of the scaled matrix has to be larger.
     constexpr double kLeast = 1e-12;
-    if (!scaled.allFinite() ||
-        !(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly)
-              .eigenvalues()[0] > kLeast))
+    scaled.diagonal().array() -= kLeast;
+    if (!scaled.allFinite() || !internal::factorise_cholesky(scaled))
       throw InputError("body \"" + name + "\"", "mass", "0",
                        "bodies with mass on it, so that each joint about it moves some of its own");
   }
@@ -623,9 +635,14 @@ void Multibody::add_force(int body, const Eigen::Vector3d& point_m, const Eigen:
 Eigen::Vector3d Multibody::middle_spin(int body, const Eigen::Vector3d& angular_momentum_N_m_s,
                                        double time_step_s) const {
   const Eigen::Matrix3d turn = poses_[std::size_t(body)].linear();
-  const Eigen::LDLT<Eigen::Matrix3d> inertia(bodies_[std::size_t(body)].mass.inertia_kg_m2);
+  Eigen::Matrix3d factor = bodies_[std::size_t(body)].mass.inertia_kg_m2;
+  internal::factorise_cholesky(factor);
+  const auto spin_of = [&factor](Eigen::Vector3d momentum) {
+    internal::solve_cholesky(factor, momentum);
+    return momentum;
+  };
   const Eigen::Vector3d start = turn.transpose() * angular_momentum_N_m_s;
-  Eigen::Vector3d end = start, spin = inertia.solve(start);
+  Eigen::Vector3d end = start, spin = spin_of(start);
   // Contracts by half the angle of the step; of turns beyond that the energy is kept less exactly.
   constexpr int kMostRounds = 50;
   double last = std::numeric_limits<double>::infinity();
@@ -633,7 +650,7 @@ Eigen::Vector3d Multibody::middle_spin(int body, const Eigen::Vector3d& angular_
     const double speed = spin.norm();
     if (!(speed > 0)) break;
     end = Eigen::AngleAxisd(-time_step_s * speed, spin / speed) * start;
-    const Eigen::Vector3d next = inertia.solve((start + end) / 2);
+    const Eigen::Vector3d next = spin_of((start + end) / 2);
     const double change = (next - spin).norm();
     spin = next;
     if (change <= 4 * std::numeric_limits<double>::epsilon() * speed || change >= last) break;
@@ -666,7 +683,11 @@ void Multibody::integrate(const Tree& tree, double time_step_s,
     }
     const Eigen::Vector3d mean = velocity - change_N_s.head<3>() / (2 * mass.mass_kg);
     pose.translation() = center + time_step_s * mean - pose.linear() * mass.center_m;
-    if (tree.single) spin = world_inertia(root).ldlt().solve(angular_momentum);
+    if (!tree.single) continue;
+    Eigen::Matrix3d inertia = world_inertia(root);
+    internal::factorise_cholesky(inertia);
+    spin = angular_momentum;
+    internal::solve_cholesky(inertia, spin);
   }
   turn_joints(tree, time_step_s);
   place_children(tree);

@@ -192,7 +192,9 @@ bool SmoothMotion::finish(Multibody& bodies, const Multibody::Tree& tree, double
   if (state == Convergence::State::stalls) {
     Eigen::MatrixXd matrix(tree.count, tree.count);
     bodies.mass_matrix(tree, matrix);
-    velocity = matrix.llt().solve(end_momentum);
+    ConstrainedMass at_end;
+    at_end.compute(matrix);
+    velocity = at_end.solve(end_momentum);
   }
   return take(bodies, tree, placement, start, velocity);
 }
