@@ -17,6 +17,7 @@ constexpr int kRungs = int(SolvedBy::facets) + 1;
 struct Count {
   int failures = 0, wedged = 0, most_attempts = 0;
   int solved_by[kRungs] = {};
+  long iterations = 0;  ///< of Newton's method
   double worst = 0;
 
   int by(SolvedBy rung) const { return solved_by[int(rung)]; }
@@ -45,6 +46,7 @@ Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7, bool with
     const LcpResult result = solver.solve(problem, solution);
     count.most_attempts = std::max(count.most_attempts, result.attempts);
     ++count.solved_by[int(result.solved_by)];
+    count.iterations += result.newton_iterations;
     if (result.status != LcpStatus::solved) {
       EXPECT_EQ(result.proof, RayProof::none) << trial;  // bodies always have a solution
       ++count.failures;
@@ -64,7 +66,7 @@ Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7, bool with
               count.failures, count.wedged, count.worst, count.most_attempts);
   std::printf("solved by none/separating/still/warm/first start/drawn start/facets:");
   for (const int scenes_of_rung : count.solved_by) std::printf(" %d", scenes_of_rung);
-  std::printf("\n");
+  std::printf(", %ld iterations\n", count.iterations);
   return count;
 }
 
@@ -80,15 +82,17 @@ TEST(RandomScenes, NoneOfTenThousandOthersFails) {
   EXPECT_EQ(count.failures + count.wedged, 0);
 }
 
-/// The histogram of the rungs that solve them. It is wider than what is measured, 72 drawn starts
-/// of 10,000, by what rounding changes. A wrong derivative solves these scenes just as well, but
-/// from lower rungs.
+/// The histogram of the rungs that solve them, and the iterations. A wrong derivative solves nearly
+/// all of these scenes as well, but from lower rungs and later: with half of the Hessian of
+/// friction it is 97 drawn starts and 369,000 iterations, instead of 74 and 219,000. The bounds
+/// leave room for what rounding changes.
 TEST(RandomScenes, NoneOfTwentyThousandFailsWithTheExactEllipsoid) {
   for (const unsigned seed : {7u, 3u}) {
     const Count count = solve(10000, FrictionRule::ellipsoid, seed);
     EXPECT_EQ(count.failures + count.wedged, 0);
     EXPECT_EQ(count.by(SolvedBy::facets), 0);
-    EXPECT_LE(count.by(SolvedBy::drawn_start), 100);
+    EXPECT_LE(count.by(SolvedBy::drawn_start), 90);
+    EXPECT_LE(count.iterations, 250000);
     EXPECT_EQ(count.by(SolvedBy::still) + count.by(SolvedBy::warm), 0);
   }
 }
@@ -98,12 +102,14 @@ TEST(RandomScenes, NoneOfTwoThousandFailsWithSixPatches) {
   EXPECT_EQ(count.failures + count.wedged, 0);
   EXPECT_EQ(count.by(SolvedBy::facets), 0);
   EXPECT_LE(count.by(SolvedBy::drawn_start), 30);
+  EXPECT_LE(count.iterations, 55000);
 }
 
 TEST(RandomScenes, NoneFailsWhereTheBodiesAreKnown) {
   Count count = solve(10000, FrictionRule::ellipsoid, 7, true);
   EXPECT_EQ(count.failures + count.wedged, 0);
-  EXPECT_LE(count.by(SolvedBy::drawn_start), 100);
+  EXPECT_LE(count.by(SolvedBy::drawn_start), 90);
+  EXPECT_LE(count.iterations, 250000);
   count = solve(500, FrictionRule::limit_surface, 7, true);
   EXPECT_EQ(count.failures + count.wedged, 0);
 }
