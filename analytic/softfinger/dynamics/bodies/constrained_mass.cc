@@ -1,9 +1,8 @@
 #include "softfinger/dynamics/bodies/constrained_mass.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "softfinger/dynamics/bodies/cholesky.h"
+#include "softfinger/dynamics/bodies/symmetric_matrix.h"
 #include "softfinger/math/wide.h"
 
 namespace softfinger {
@@ -20,16 +19,18 @@ void ConstrainedMass::compute(const Eigen::MatrixXd& mass, const Eigen::MatrixXd
   const Eigen::MatrixXd coupling = constraints * response;  // S
   const Eigen::VectorXd scale =
       coupling.diagonal().unaryExpr([](double x) { return x > 0 ? 1 / std::sqrt(x) : 0.; });
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(scale.asDiagonal() * coupling *
-                                                             scale.asDiagonal());
+  const internal::SymmetricModes modes(scale.asDiagonal() * coupling * scale.asDiagonal());
   constexpr double kRepeated = 1e-10;
-  const Eigen::VectorXd& values = modes.eigenvalues();
-  const double least = kRepeated * values.tail<1>()[0];
-  const Eigen::Index count = (values.array() > least).count();
+  const double least = kRepeated * modes.values.maxCoeff();
+  const Eigen::Index count = (modes.values.array() > least).count();
   if (!(least > 0) || count == 0) return;
-  root_ = values.tail(count).cwiseSqrt().cwiseInverse().asDiagonal() *
-          modes.eigenvectors().rightCols(count).transpose() * scale.asDiagonal();
-  along_ = root_ * response.transpose();
+  root_.resize(count, constraints.rows());
+  Eigen::Index row = 0;
+  for (Eigen::Index mode = 0; mode < modes.values.size(); ++mode)
+    if (modes.values[mode] > least)
+      root_.row(row++) =
+          modes.vectors.col(mode).cwiseProduct(scale).transpose() / std::sqrt(modes.values[mode]);
+  along_.noalias() = root_ * response.transpose();
 }
 
 Eigen::VectorXd ConstrainedMass::solve(const Eigen::VectorXd& x) const {

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-#include "softfinger/dynamics/bodies/cholesky.h"
+#include "softfinger/dynamics/bodies/symmetric_matrix.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {
