@@ -10,6 +10,7 @@
 #include "comparisons/input/recorded_contacts.h"
 #include "comparisons/system/files.h"
 #include "comparisons/text/json_text.h"
+#include "softfinger/dynamics/step/contact_lcp_solver.h"
 
 namespace softfinger::commands {
 namespace {
@@ -45,6 +46,26 @@ const char* name_of(RayProof proof) {
   return nullptr;
 }
 
+const char* name_of(SolvedBy rung) {
+  switch (rung) {
+    case SolvedBy::separating:
+      return "separating";
+    case SolvedBy::still:
+      return "still";
+    case SolvedBy::warm:
+      return "warm";
+    case SolvedBy::first_start:
+      return "first_start";
+    case SolvedBy::drawn_start:
+      return "drawn_start";
+    case SolvedBy::facets:
+      return "facets";
+    case SolvedBy::none:
+      break;
+  }
+  return "none";
+}
+
 std::vector<double> values(const Eigen::VectorXd& vector) {
   return std::vector<double>(vector.data(), vector.data() + vector.size());
 }
@@ -72,6 +93,7 @@ nlohmann::json to_json(const std::string& file, const SolvedProblem& solved) {
                         {"status", name_of(result.status)},
                         {"iterations", result.pivots},
                         {"attempts", result.attempts},
+                        {"solved_by", name_of(result.solved_by)},
                         {"solve_us", solved.solve_us}};
   const bool has_point =
       result.status != LcpStatus::infeasible_or_ray && std::isfinite(result.residual);

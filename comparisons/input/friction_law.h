@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/dynamics/contacts/contact_lcp.h"
 #include "softfinger/friction/friction_shape.h"
 
 namespace softfinger::input {

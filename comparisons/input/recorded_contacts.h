@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <string>
 
-#include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/dynamics/contacts/contact_lcp.h"
 
 /// Contact problems as text files, one problem each: the line "softlcp 1", then keys, each with its
 /// values on one line and numbers separated by blanks.

@@ -11,8 +11,8 @@
 #include "comparisons/input/friction_law.h"
 #include "comparisons/input/setting.h"
 #include "comparisons/input/shape.h"
-#include "softfinger/dynamics/multibody.h"
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/bodies/multibody.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/input/shear_law.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -61,7 +61,7 @@ struct ContactRule {
   double restitution = 0;                 ///< Newton's
   bool collide = true;
   /// Whether soft contacts give way elastically before they slide, see
-  /// softfinger/dynamics/presliding.h.
+  /// softfinger/dynamics/step/presliding.h.
   bool presliding = false;
 };
 

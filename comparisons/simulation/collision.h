@@ -6,7 +6,7 @@
 
 #include "comparisons/input/scene.h"
 #include "comparisons/simulation/touching_point.h"
-#include "softfinger/dynamics/multibody.h"
+#include "softfinger/dynamics/bodies/multibody.h"
 
 namespace softfinger::simulation {
 

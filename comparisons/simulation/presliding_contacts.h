@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "softfinger/dynamics/presliding.h"
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/presliding.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger::simulation {

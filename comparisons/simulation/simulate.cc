@@ -18,7 +18,7 @@
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/simulation/presliding_contacts.h"
 #include "softfinger/accuracy/error_bound.h"
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/friction/linearised_friction.h"
 #include "softfinger/friction/shear_limit.h"
 #include "softfinger/pressure/equivalent_exponent.h"

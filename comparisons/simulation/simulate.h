@@ -7,7 +7,7 @@
 
 #include "comparisons/input/scene.h"
 #include "comparisons/simulation/recording.h"
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 
 namespace softfinger::simulation {
 

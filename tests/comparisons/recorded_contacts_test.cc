@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "comparisons/system/files.h"
+#include "softfinger/dynamics/step/contact_lcp_solver.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger {

@@ -18,7 +18,7 @@
 #include "comparisons/robots/mujoco_contacts.h"
 #include "comparisons/robots/mujoco_scene.h"
 #include "comparisons/simulation/simulate.h"
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "tests/comparisons/run_program.h"

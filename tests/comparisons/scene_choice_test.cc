@@ -7,7 +7,7 @@
 #include <string>
 #include <variant>
 
-#include "softfinger/dynamics/eccentricity_law.h"
+#include "softfinger/dynamics/step/eccentricity_law.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger {

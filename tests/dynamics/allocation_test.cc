@@ -7,7 +7,8 @@
 #include <atomic>
 #include <cstdlib>
 
-#include "softfinger/dynamics/eccentricity_law.h"
+#include "softfinger/dynamics/facets/lemke.h"
+#include "softfinger/dynamics/step/eccentricity_law.h"
 #include "tests/dynamics/random_scene.h"
 #include "tests/dynamics/simple_contacts.h"
 

@@ -1,12 +1,11 @@
 // The contact problem: single contacts solved by hand, redundant contacts, closing walls, and the
 // invariants that any solver of it has to have.
-#include "softfinger/dynamics/contact_lcp.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "softfinger/dynamics/step/contact_lcp_solver.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "tests/dynamics/random_scene.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/dynamics/contacts/contact_lcp.h"
 
 namespace softfinger {
 namespace {

@@ -1,4 +1,4 @@
-#include "softfinger/dynamics/dense_elimination.h"
+#include "softfinger/dynamics/exact/dense_elimination.h"
 
 #include <gtest/gtest.h>
 

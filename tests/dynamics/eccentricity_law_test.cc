@@ -1,5 +1,5 @@
 // e_n that depends on the load of the same time step.
-#include "softfinger/dynamics/eccentricity_law.h"
+#include "softfinger/dynamics/step/eccentricity_law.h"
 
 #include <gtest/gtest.h>
 
@@ -87,7 +87,7 @@ TEST(EccentricityLaw, NeedsTwoSolvesWhereTheLoadIsGiven) {
   ContactSolution solution;
   const ConsistentResult result = solver.solve(problem, {&law}, kStep_s, solution, {});
   EXPECT_EQ(result.iterations, 2);
-  EXPECT_TRUE(result.lcp.warm);
+  EXPECT_TRUE(result.lcp.is_warm());
   EXPECT_NEAR(problem.eccentricity_m[0], 0.001 * std::pow(0.02 / kStep_s, 0.25), 1e-15);
 }
 

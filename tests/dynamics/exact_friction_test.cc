@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "softfinger/friction/ball_excess.h"
 #include "tests/dynamics/random_scene.h"
 
 namespace softfinger {
@@ -33,52 +32,6 @@ TEST(FrictionExcess, ReachesBeyondTheEllipsoidByWhatIsMissing) {
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(reached[axis], target[axis], 16 * 0x1p-52 * std::abs(target[axis]))
           << trial << ", axis " << axis;
-  }
-}
-
-/// Four contacts at once: inside, beyond, at rest, without a normal impulse, over twelve decades.
-TEST(FrictionExcess, HasTheSameBitsForFourBallsAtOnce) {
-  tests::RandomScenes random(9);
-  int slide = 0;
-  for (int trial = 0; trial < 20000; ++trial) {
-    const auto decades = [&random] { return std::pow(10, random.uniform(-6, 6)); };
-    Eigen::Vector3d targets[kFour], metrics[kFour];
-    Four target[3], metric[3], limit;
-    for (int i = 0; i < kFour; ++i) {
-      limit[i] = random.uniform(0, 1) < 0.2 ? 0 : decades();
-      for (int k = 0; k < 3; ++k) {
-        metric[k][i] = metrics[i][k] = decades();
-        const double reach = limit[i] > 0 ? limit[i] * metrics[i][k] : decades();
-        targets[i][k] = random.uniform(-1, 1) * 3 * reach;
-      }
-      if (random.uniform(0, 1) < 0.1) targets[i].setZero();
-      for (int k = 0; k < 3; ++k) target[k][i] = targets[i][k];
-    }
-    BallExcesses found;
-    ASSERT_TRUE(find_excesses(target, limit, metric, found)) << trial;
-    for (int i = 0; i < kFour; ++i) {
-      const FrictionExcess own = friction_excess(nullptr, targets[i], limit[i], metrics[i]);
-      ASSERT_EQ(found.slides[i] != 0, own.excess.squaredNorm() > 0) << trial;
-      slide += found.slides[i] != 0;
-      for (int k = 0; k < 3; ++k) {
-        ASSERT_EQ(found.boundary[k][i], own.boundary[k]) << trial;
-        ASSERT_EQ(found.length[i] * found.boundary[k][i], own.excess[k]) << trial;
-      }
-    }
-  }
-  EXPECT_GT(slide, 20000);
-}
-
-/// They are left to `friction_excess`, which scales them.
-TEST(FrictionExcess, OfFourBallsIsNotFoundWhereSquaresLeaveTheRangeOfDoubles) {
-  for (const double size : {1e-120, 1e120}) {
-    Four target[3] = {}, metric[3], limit = {};
-    BallExcesses found;
-    for (int i = 0; i < kFour; ++i)
-      for (int k = 0; k < 3; ++k) metric[k][i] = 1;
-    EXPECT_TRUE(find_excesses(target, limit, metric, found));
-    target[1][2] = size;
-    EXPECT_FALSE(find_excesses(target, limit, metric, found)) << size;
   }
 }
 

@@ -1,5 +1,5 @@
 // The hull of friction vertices against what all of its vertices say.
-#include "softfinger/dynamics/friction_polytope.h"
+#include "softfinger/dynamics/facets/friction_polytope.h"
 
 #include <gtest/gtest.h>
 

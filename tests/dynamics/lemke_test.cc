@@ -1,6 +1,6 @@
 // Lemke's algorithm on a raw (M, q): problems with solutions known by hand or by construction, and
 // problems without any.
-#include "softfinger/dynamics/lemke.h"
+#include "softfinger/dynamics/facets/lemke.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "tests/dynamics/simple_contacts.h"

@@ -1,5 +1,5 @@
 // Mass properties against closed forms from textbooks, integrals and each other.
-#include "softfinger/dynamics/mass_properties.h"
+#include "softfinger/dynamics/bodies/mass_properties.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Rigid bodies and trees against closed forms, finite differences of poses and Lagrange's
 // equations.
-#include "softfinger/dynamics/multibody.h"
+#include "softfinger/dynamics/bodies/multibody.h"
 
 #include <gtest/gtest.h>
 

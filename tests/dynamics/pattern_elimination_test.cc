@@ -1,4 +1,4 @@
-#include "softfinger/dynamics/pattern_elimination.h"
+#include "softfinger/dynamics/exact/pattern_elimination.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "softfinger/dynamics/presliding.h"
+#include "softfinger/dynamics/step/presliding.h"
 
 #include <gtest/gtest.h>
 

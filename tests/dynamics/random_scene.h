@@ -4,7 +4,7 @@
 #include <random>
 #include <vector>
 
-#include "softfinger/dynamics/contact_lcp.h"
+#include "softfinger/dynamics/step/contact_lcp_solver.h"
 
 namespace softfinger::tests {
 

@@ -6,15 +6,21 @@
 #include <cstdio>
 #include <utility>
 
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "tests/dynamics/random_scene.h"
 
 namespace softfinger {
 namespace {
 
+constexpr int kRungs = int(SolvedBy::facets) + 1;
+
 struct Count {
   int failures = 0, wedged = 0, most_attempts = 0;
+  int solved_by[kRungs] = {};
+  long iterations = 0;  ///< of Newton's method
   double worst = 0;
+
+  int by(SolvedBy rung) const { return solved_by[int(rung)]; }
 };
 
 /// The residual that one rounding of each term of W r causes. Impulses between wedged bodies can be
@@ -39,6 +45,8 @@ Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7, bool with
     problem.shapes.assign(std::size_t(problem.contacts()), &shape);
     const LcpResult result = solver.solve(problem, solution);
     count.most_attempts = std::max(count.most_attempts, result.attempts);
+    ++count.solved_by[int(result.solved_by)];
+    count.iterations += result.newton_iterations;
     if (result.status != LcpStatus::solved) {
       EXPECT_EQ(result.proof, RayProof::none) << trial;  // bodies always have a solution
       ++count.failures;
@@ -56,6 +64,9 @@ Count solve(int scenes_to_solve, FrictionRule rule, unsigned seed = 7, bool with
   }
   std::printf("failures %d, wedged %d, worst residual of the others %.1e, at most %d attempts\n",
               count.failures, count.wedged, count.worst, count.most_attempts);
+  std::printf("solved by none/separating/still/warm/first start/drawn start/facets:");
+  for (const int scenes_of_rung : count.solved_by) std::printf(" %d", scenes_of_rung);
+  std::printf(", %ld iterations\n", count.iterations);
   return count;
 }
 
@@ -71,19 +82,34 @@ TEST(RandomScenes, NoneOfTenThousandOthersFails) {
   EXPECT_EQ(count.failures + count.wedged, 0);
 }
 
-TEST(RandomScenes, NoneOfTenThousandFailsWithTheExactEllipsoid) {
-  const Count count = solve(10000, FrictionRule::ellipsoid);
-  EXPECT_EQ(count.failures + count.wedged, 0);
+/// The histogram of the rungs that solve them, and the iterations. A wrong derivative solves nearly
+/// all of these scenes as well, but from lower rungs and later: with half of the Hessian of
+/// friction it is 97 drawn starts and 369,000 iterations, instead of 74 and 219,000. The bounds
+/// leave room for what rounding changes.
+TEST(RandomScenes, NoneOfTwentyThousandFailsWithTheExactEllipsoid) {
+  for (const unsigned seed : {7u, 3u}) {
+    const Count count = solve(10000, FrictionRule::ellipsoid, seed);
+    EXPECT_EQ(count.failures + count.wedged, 0);
+    EXPECT_EQ(count.by(SolvedBy::facets), 0);
+    EXPECT_LE(count.by(SolvedBy::drawn_start), 90);
+    EXPECT_LE(count.iterations, 250000);
+    EXPECT_EQ(count.by(SolvedBy::still) + count.by(SolvedBy::warm), 0);
+  }
 }
 
 TEST(RandomScenes, NoneOfTwoThousandFailsWithSixPatches) {
   const Count count = solve(2000, FrictionRule::limit_surface);
   EXPECT_EQ(count.failures + count.wedged, 0);
+  EXPECT_EQ(count.by(SolvedBy::facets), 0);
+  EXPECT_LE(count.by(SolvedBy::drawn_start), 30);
+  EXPECT_LE(count.iterations, 55000);
 }
 
 TEST(RandomScenes, NoneFailsWhereTheBodiesAreKnown) {
   Count count = solve(10000, FrictionRule::ellipsoid, 7, true);
   EXPECT_EQ(count.failures + count.wedged, 0);
+  EXPECT_LE(count.by(SolvedBy::drawn_start), 90);
+  EXPECT_LE(count.iterations, 250000);
   count = solve(500, FrictionRule::limit_surface, 7, true);
   EXPECT_EQ(count.failures + count.wedged, 0);
 }
@@ -151,7 +177,7 @@ TEST(RandomScenes, ContactsThatAreNearlyRepeatedDoNotFail) {
   std::printf("at most %d attempts\n", most_attempts);
 }
 
-/// Proximal points solve nearly all of these before a path would begin, 38 from their first start.
+/// Nine of ten are solved from the first start.
 TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
   constexpr int kContacts = 100, kScenes = 40;
   for (const bool are_bodies_known : {false, true}) {
@@ -159,7 +185,7 @@ TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
     scenes.gives_roots = are_bodies_known;
     ContactLcpSolver solver(kContacts, 0);
     ContactSolution solution;
-    int without_path = 0, wedged = 0;
+    int without_path = 0, from_first_start = 0, wedged = 0;
     for (int trial = 0; trial < kScenes; ++trial) {
       ContactLcp problem = scenes.next(kContacts, 16);
       problem.friction_rule = FrictionRule::ellipsoid;
@@ -170,8 +196,10 @@ TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
           << trial;
       wedged += residual > 1e-10;
       without_path += result.attempts == 0;
+      from_first_start += result.solved_by == SolvedBy::first_start;
     }
     EXPECT_GE(without_path, kScenes - 1) << are_bodies_known;
+    EXPECT_GE(from_first_start, kScenes * 9 / 10) << are_bodies_known;
     // Of 1,024 such scenes three are solved to the rounding of W r only, either way.
     EXPECT_LE(wedged, are_bodies_known ? 1 : 0);
   }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/input/constants.h"
 #include "tests/dynamics/simple_contacts.h"
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 
 namespace softfinger::tests {
 

@@ -1,13 +1,13 @@
 // Motion without contacts: order two, energy and momenta over many steps, and how it gives way to
 // contacts and joint limits.
-#include "softfinger/dynamics/smooth_motion.h"
+#include "softfinger/dynamics/bodies/smooth_motion.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <cmath>
 
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/input/constants.h"
 #include "tests/dynamics/simple_contacts.h"
 

@@ -1,6 +1,6 @@
 // Time stepping against closed forms and invariants: friction, rolling, stacks, energy, momentum,
 // order of bodies, units, joint limits, motors, e_n of the load, steps without solution.
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 
 #include <gtest/gtest.h>
 

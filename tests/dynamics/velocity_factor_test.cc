@@ -1,4 +1,4 @@
-#include "softfinger/dynamics/velocity_factor.h"
+#include "softfinger/dynamics/exact/velocity_factor.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #
 # The arrows go one way, towards what is depended on:
 #   input <- math <- friction, layer <- fft <- pressure <- calibration;  input, math <- geometry;
-#   all of these <- dynamics
+#   all of these <- dynamics, and in it:  contacts <- facets <- exact <- step;  bodies <- step
 #   input <- meshes <- fem
 #   everything <- comparisons, and in it:
 #   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting <- explorer;
@@ -37,7 +37,21 @@ may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
             "^softfinger/(math|friction|layer|fft|pressure)/")
 may_include(analytic/softfinger/calibration ${std} ${eigen} "^unsupported/Eigen/" ${input}
             "^softfinger/(math|friction|layer|fft|pressure|calibration)/")
-may_include(analytic/softfinger/dynamics ${std} ${eigen} "^softfinger/")
+# What lies below all rooms of the dynamics.
+set(models "^softfinger/(math|geometry|friction|layer|fft|pressure|calibration)/")
+macro(dynamics_room name)
+  set(known ${ARGN})
+  list(JOIN known "|" known)
+  may_include(analytic/softfinger/dynamics/${name} ${std} ${eigen} ${input} ${models}
+              "^softfinger/dynamics/(${known})/")
+endmacro()
+dynamics_room(bodies bodies)
+dynamics_room(contacts contacts)
+dynamics_room(facets contacts facets)
+dynamics_room(exact contacts facets exact)
+dynamics_room(step bodies contacts facets exact step)
+# Nothing lies loose beside the rooms.
+may_include(analytic/softfinger/dynamics ${std})
 may_include(analytic/python ${std} ${eigen} "^softfinger/" "^pybind11/" "^analytic/python/bindings/")
 may_include(analytic ${std} ${eigen} "^softfinger/")
 may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^nanoflann[.]hpp"
@@ -126,6 +140,9 @@ if(SELF_TEST)
       "analytic/softfinger/friction/d.cc|softfinger/pressure/d.h"
       "analytic/softfinger/pressure/e.cc|softfinger/geometry/e.h"
       "analytic/softfinger/pressure/models/f.cc|nlohmann/json.hpp"
+      "analytic/softfinger/dynamics/facets/f.cc|softfinger/dynamics/exact/f.h"
+      "analytic/softfinger/dynamics/contacts/f.h|softfinger/dynamics/facets/f.h"
+      "analytic/softfinger/dynamics/bodies/f.h|softfinger/dynamics/step/f.h"
       "meshes/io/g.cc|softfinger/geometry/g.h"
       "fem/h.cc|softfinger/pressure/pressure_model.h"
       "fem/i.h|comparisons/case.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "analytic/python/bindings/contacts.h"
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 
 namespace softfinger::python {
 namespace {

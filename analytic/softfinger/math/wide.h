@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 namespace softfinger {
 
 /// Four doubles whose arithmetic is that of each: one instruction where the processor has it.
@@ -10,11 +8,6 @@ constexpr int kFour = 4;
 using Four [[gnu::vector_size(kFour * sizeof(double))]] = double;
 /// Of four comparisons: all bits or none.
 using FourConditions = decltype(Four{} > Four{});
-
-/// The same of eight: one instruction with AVX-512. What uses it is compiled for that only, see
-/// `with_widest_instructions`; other processors take twice four.
-constexpr int kEight = 8;
-using Eight [[gnu::vector_size(kEight * sizeof(double))]] = double;
 
 /// Four doubles in memory of any alignment. A copy of bytes would go through the stack by halves.
 using FourInMemory
@@ -39,45 +32,17 @@ inline void transpose(Four& a, Four& b, Four& c, Four& d) {
   d = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
 }
 
-template <class V>
-constexpr int kWidth = int(sizeof(V) / sizeof(double));
-
-template <class V>
-inline void take_root(const V& from, V& root) {
-  for (int lane = 0; lane < kWidth<V>; ++lane) root[lane] = std::sqrt(from[lane]);
-}
-
-template <class V>
-inline bool has_any(const V& condition) {
-  decltype(condition[0] | condition[0]) any = 0;
-  for (int lane = 0; lane < kWidth<V>; ++lane) any |= condition[lane];
-  return any != 0;
-}
-
-/// Whether the processor has instructions for four doubles at once (AVX2, FMA), and for eight
-/// (AVX-512).
-/// Tests set them to false, to reach what other processors do.
+/// Whether the processor has instructions for four doubles at once (AVX2, FMA). Tests set it to
+/// false, to reach what other processors do.
 #if defined(__x86_64__)
 inline bool has_wide_instructions = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-inline bool has_widest_instructions =
-    __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
 #else
-inline bool has_wide_instructions = false, has_widest_instructions = false;
+inline bool has_wide_instructions = false;
 #endif
 
 #if defined(__x86_64__)
 template <class Function>
 [[gnu::target("avx2,fma"), gnu::flatten]] auto with_wide_instructions(const Function& function) {
-  return function();
-}
-template <class Function>
-[[gnu::target("avx512dq,avx512vl"), gnu::flatten]] auto with_widest_instructions(
-    const Function& function) {
-  return function();
-}
-#else
-template <class Function>
-auto with_widest_instructions(const Function& function) {
   return function();
 }
 #endif

@@ -4,6 +4,7 @@
 
 #include <exception>
 
+#include "softfinger/dynamics/step/contact_lcp_solver.h"
 #include "softfinger/input/errors.h"
 #include "tests/fuzz/target.h"
 

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "softfinger/dynamics/time_stepper.h"
+#include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/friction/max_torque.h"
 #include "softfinger/pressure/pressure_model.h"
 
