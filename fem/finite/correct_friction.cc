@@ -4,15 +4,15 @@
 #include <utility>
 #include <vector>
 
-#include "fem/error_model.h"
+#include "fem/base/formatted.h"
+#include "fem/base/stopwatch.h"
+#include "fem/base/threads.h"
 #include "fem/finite/frictional_pressing.h"
 #include "fem/finite/full_slip.h"
 #include "fem/finite/solved_slides.h"
 #include "fem/finite/superposed_friction.h"
-#include "fem/formatted.h"
-#include "fem/friction_study.h"
-#include "fem/stopwatch.h"
-#include "fem/threads.h"
+#include "fem/friction/friction_study.h"
+#include "fem/levels/error_model.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {

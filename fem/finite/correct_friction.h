@@ -6,9 +6,9 @@
 #include <string>
 
 #include "fem/finite/finite_pressing.h"
-#include "fem/friction_bound.h"
-#include "fem/friction_levels.h"
-#include "fem/surface_series.h"
+#include "fem/friction/friction_bound.h"
+#include "fem/levels/friction_levels.h"
+#include "fem/output/surface_series.h"
 
 namespace softfinger::fem::finite {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fem/contact_shape.h"
+#include "fem/contact/contact_shape.h"
 #include "fem/finite/finite_pressing.h"
 
 namespace softfinger::fem::finite {

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "fem/cholesky.h"
+#include "fem/algebra/cholesky.h"
 #include "fem/finite/material.h"
 
 namespace softfinger::fem::finite {

@@ -7,13 +7,13 @@
 #include <optional>
 #include <utility>
 
+#include "fem/base/formatted.h"
+#include "fem/base/stopwatch.h"
 #include "fem/finite/correct_friction.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/superposed_friction.h"
-#include "fem/formatted.h"
-#include "fem/level_loop.h"
-#include "fem/stopwatch.h"
-#include "fem/surface_series.h"
+#include "fem/levels/level_loop.h"
+#include "fem/output/surface_series.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {

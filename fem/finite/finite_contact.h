@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fem/contact_physics.h"
+#include "fem/levels/contact_physics.h"
 
 namespace softfinger::fem::finite {
 

@@ -15,10 +15,10 @@
 #include <optional>
 #include <utility>
 
+#include "fem/base/threads.h"
+#include "fem/base/write_file.h"
 #include "fem/finite/tangent_assembly.h"
-#include "fem/layer_space.h"
-#include "fem/threads.h"
-#include "fem/write_file.h"
+#include "fem/layer/layer_space.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {

@@ -9,7 +9,7 @@
 
 #include "fem/finite/element.h"
 #include "fem/finite/tangent_contact.h"
-#include "fem/layer_model.h"
+#include "fem/layer/layer_model.h"
 
 namespace softfinger::fem::finite {
 

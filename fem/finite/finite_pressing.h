@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "fem/contact/rigid_object.h"
 #include "fem/finite/finite_layer.h"
-#include "fem/rigid_object.h"
 
 /// Frictionless pressing at finite strain, in units of h and E: the surface's nodes against the
 /// object's exact surface where they are, by Newton's method on all of it.

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "fem/algebra/fixed_point.h"
 #include "fem/finite/finite_layer.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/fixed_point.h"
-#include "fem/frictional_contact.h"
-#include "fem/reference_solver.h"
-#include "fem/surface_series.h"
+#include "fem/friction/frictional_contact.h"
+#include "fem/output/surface_series.h"
+#include "fem/problem/result.h"
 
 namespace softfinger::fem::finite {
 

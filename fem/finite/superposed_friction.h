@@ -4,10 +4,10 @@
 #include <functional>
 #include <vector>
 
-#include "fem/coulomb_friction.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/friction_bound.h"
-#include "fem/frictional_contact.h"
+#include "fem/friction/coulomb_friction.h"
+#include "fem/friction/friction_bound.h"
+#include "fem/friction/frictional_contact.h"
 
 /// Coulomb friction on a contact pressed at finite strain, in units of h and E.
 ///

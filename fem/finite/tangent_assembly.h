@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "fem/cholesky.h"
-#include "fem/layer_space.h"
+#include "fem/algebra/cholesky.h"
+#include "fem/layer/layer_space.h"
 
 namespace softfinger::fem::finite {
 

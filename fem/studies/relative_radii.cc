@@ -8,8 +8,8 @@
 
 #include <cmath>
 
-#include "fem/model_cache.h"
-#include "fem/reference_solver.h"
+#include "fem/linear/model_cache.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"

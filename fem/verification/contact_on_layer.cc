@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "fem/model_cache.h"
+#include "fem/linear/model_cache.h"
 
 namespace softfinger::fem::verification {
 namespace {

@@ -2,9 +2,10 @@
 
 #include <functional>
 
-#include "fem/friction_levels.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/contact/pressing.h"
+#include "fem/levels/friction_levels.h"
+#include "fem/problem/problem.h"
+#include "fem/problem/result.h"
 #include "fem/verification/check.h"
 
 /// Contacts by their dimensionless numbers, for the groups of checks.

@@ -1,4 +1,4 @@
-#include "fem/contact_edge.h"
+#include "fem/contact/contact_edge.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 #include <map>
 
-#include "fem/touching_outline.h"
+#include "fem/contact/touching_outline.h"
 
 namespace softfinger::fem {
 namespace {

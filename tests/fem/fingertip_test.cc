@@ -1,5 +1,3 @@
-#include "fem/fingertip.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,10 +7,11 @@
 #include <limits>
 #include <utility>
 
-#include "fem/layer_model.h"
-#include "fem/normal_contact.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/contact/normal_contact.h"
+#include "fem/contact/pressing.h"
+#include "fem/layer/fingertip_shape.h"
+#include "fem/layer/layer_model.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/layer_mesh.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
@@ -136,7 +135,7 @@ TEST(Fingertip, WithOneMirrorPlaneIsTheWholeByHalfOfIt) {
   problem.shear_law = ShearLaw::Kind::limited;
   problem.shear_strength_Pa = 5e4;
   for (const bool is_finite : {false, true}) {
-    if (is_finite) problem.finite_strain = finite::MaterialChoice();
+    if (is_finite) problem.finite_strain = MaterialChoice();
     const auto [half, whole] = by_half_and_whole(problem);
     EXPECT_EQ(half.planes, (MirrorPlanes{false, true}));
     EXPECT_EQ(whole.planes, no_plane);
@@ -309,7 +308,7 @@ TEST(ScannedFinger, IsTwistedAboutThePressuresCentre) {
 // other than Coulomb's bounds it.
 TEST(ScannedFinger, HasOneLargestTorqueWithFrictionAndWithout) {
   Problem problem = sphere_at_edge();
-  problem.finite_strain = finite::MaterialChoice();
+  problem.finite_strain = MaterialChoice();
   problem.shear_law = ShearLaw::Kind::limited;
   problem.shear_strength_Pa = 2e4;
   const Result pressed = solve(problem, quiet);
@@ -514,7 +513,7 @@ TEST(SurfaceSeries, HasAFilePerIncrementAndOneThatNamesThem) {
 
 TEST(SurfaceSeries, IsWrittenAtFiniteStrainToo) {
   Problem problem = small_contact();
-  problem.finite_strain = finite::MaterialChoice();
+  problem.finite_strain = MaterialChoice();
   expect_series(problem, "softfinger_surface_series_finite_test");
 }
 

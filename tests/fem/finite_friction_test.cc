@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "fem/contact/pressing.h"
 #include "fem/finite/correct_friction.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/frictional_pressing.h"
 #include "fem/finite/full_slip.h"
 #include "fem/finite/solved_slides.h"
 #include "fem/finite/superposed_friction.h"
-#include "fem/friction_study.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/friction/friction_study.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 
@@ -27,7 +27,6 @@ namespace {
 
 using Eigen::Index;
 using finite::FinitePressing;
-using finite::MaterialChoice;
 using finite::SuperposedMotion;
 
 constexpr double kFriction = 0.5;
@@ -194,7 +193,7 @@ struct SmallContact {
     // About the undeformed state this energy has the very element of linear elasticity; of the
     // other one the volumetric strain that the pressures do not resolve is softer.
     MaterialChoice choice;
-    choice.volumetric = finite::VolumetricLaw::logarithmic;
+    choice.volumetric = VolumetricLaw::logarithmic;
     pressing = std::make_unique<FinitePressing>(
         layer_under(quadric(linear.major, linear.minor), mesh, poisson_ratio, both_planes, choice));
     pressing->press({0, approach});
@@ -347,7 +346,7 @@ struct SmallContactWithoutSymmetry {
     linear.bent = shape_fingertip(linear.fingertip, 1);
     pressed = press_on(make_layer(mesh, linear), linear);
     MaterialChoice choice;
-    choice.volumetric = finite::VolumetricLaw::logarithmic;
+    choice.volumetric = VolumetricLaw::logarithmic;
     pressing = std::make_unique<FinitePressing>(
         std::make_shared<finite::FiniteLayer>(mesh, linear.bent.shape, no_plane,
                                               finite::make_material(choice, 1.0, 0.45)),

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "fem/error_model.h"
+#include "fem/contact/pressing.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/levels/error_model.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"
@@ -28,7 +28,6 @@ namespace {
 
 using finite::DeformedContact;
 using finite::FinitePressing;
-using finite::MaterialChoice;
 
 const Progress silent = [](const std::string&) {};
 
@@ -518,7 +517,7 @@ Departure departure(double approach) {
   const ContactShape shape = measure_shape(linear, pressing);
   // About the undeformed state this energy has the very element of linear elasticity.
   MaterialChoice choice;
-  choice.volumetric = finite::VolumetricLaw::logarithmic;
+  choice.volumetric = VolumetricLaw::logarithmic;
   auto finite_strain = layer_under(sampled_object(pressing.fingertip.object), mesh,
                                    pressing.bent.shape, nu, no_plane, choice);
   finite_strain.press({0, approach});

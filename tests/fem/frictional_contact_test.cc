@@ -1,4 +1,4 @@
-#include "fem/frictional_contact.h"
+#include "fem/friction/frictional_contact.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "fem/friction_study.h"
-#include "fem/pressing.h"
-#include "fem/surface_compliance.h"
-#include "fem/write_compliance.h"
+#include "fem/contact/pressing.h"
+#include "fem/friction/friction_study.h"
+#include "fem/friction/surface_compliance.h"
+#include "fem/output/write_compliance.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"

@@ -13,10 +13,10 @@
 #include <memory>
 #include <vector>
 
+#include "fem/contact/pressing.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/program/reference_solver.h"
 #include "softfinger/input/errors.h"
 #include "tests/fem/layer_mesh_file.h"
 

@@ -1,4 +1,4 @@
-#include "fem/level_loop.h"
+#include "fem/levels/level_loop.h"
 
 #include <gtest/gtest.h>
 

@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <vector>
 
+#include "fem/contact/normal_contact.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/layer_model.h"
-#include "fem/normal_contact.h"
-#include "fem/reference_solver.h"
+#include "fem/layer/layer_model.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
 #include "tests/fem/layer_mesh_file.h"
