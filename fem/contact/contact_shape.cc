@@ -126,7 +126,7 @@ void keep_on_edge(const NodalContact& contact, const Eigen::Matrix2Xd& points,
         moved.col(i) = points.col(i);
 }
 
-ContactShape from_nodes(const NodalContact& contact) {
+Outcome<ContactShape, Unmeasured> from_nodes(const NodalContact& contact) {
   const NodalPressure& pressure = contact.pressure;
   const Eigen::VectorXd clearance = contact.clearance();
   ContactShape shape;
@@ -136,10 +136,13 @@ ContactShape from_nodes(const NodalContact& contact) {
     const auto lock = lock_global_state();
     touching.triangles = meshes::triangulate(contact.position);
   }
-  shape.outlines = touching_outlines(touching);
+  Outcome<std::vector<Eigen::Matrix2Xd>, OutgrownPatch> outlines = touching_outlines(touching);
+  if (!outlines) return Unmeasured{true, outlines.reason().error};
+  shape.outlines = *std::move(outlines);
   if (!(shape_of(shape.outlines).area > 0))
-    throw ConvergenceError("outline of the contact", 0, 0,
-                           "the contact is smaller than a cell: use a higher level");
+    return Unmeasured{
+        false,
+        {"outline of the contact", 0, 0, "the contact is smaller than a cell: use a higher level"}};
   // At the finger's edge a contact is cut off: its outline has corners, and lies where it does.
   const bool is_cut = is_cut_off(pressure);
   const bool is_smooth = !is_cut && smooth(shape.outlines);
@@ -244,15 +247,16 @@ double mean_secant(const std::vector<Eigen::Matrix2Xd>& outlines, const RigidObj
   return surface / area;
 }
 
-ContactShape measure_shape(const NodalContact& contact) {
-  ContactShape by_nodes = from_nodes(contact);
+Outcome<ContactShape, Unmeasured> measure_shape(const NodalContact& contact) {
+  Outcome<ContactShape, Unmeasured> by_nodes = from_nodes(contact);
+  if (!by_nodes) return by_nodes;
   // Without both planes the pressure may have any shape, and fits of it scatter more than the
   // nodes.
   if (!contact.planes.both() || !contact.regular) return by_nodes;
   if (std::optional<PressureFit> fit = fit_pressure(
           contact.pressure,
           touching_ellipse(contact.pressure.nodes, contact.pressure.force, contact.planes)))
-    return from_fit(contact, std::move(*fit), std::move(by_nodes));
+    return from_fit(contact, std::move(*fit), *std::move(by_nodes));
   return by_nodes;
 }
 

@@ -26,6 +26,12 @@ struct ContactShape {
   std::optional<PressureFit> fit;
 };
 
+/// Why a contact's shape cannot be measured on its mesh.
+struct Unmeasured {
+  bool outgrew_patch = false;  ///< a larger patch may do; else the cells are too large
+  ConvergenceError error;      ///< for a caller that has no other mesh
+};
+
 /// A contact on one mesh.
 struct NodalContact {
   explicit NodalContact(const NodalPressure& nodal) : pressure(nodal) {}
@@ -61,6 +67,6 @@ double mean_secant(const std::vector<Eigen::Matrix2Xd>& outlines, const RigidObj
 
 /// With both mirror planes the shape is that of a fitted pressure, if there is one. Otherwise it is
 /// the outline that the nodes and their images tell, as a smooth curve where one follows it.
-ContactShape measure_shape(const NodalContact& contact);
+Outcome<ContactShape, Unmeasured> measure_shape(const NodalContact& contact);
 
 }  // namespace softfinger::fem

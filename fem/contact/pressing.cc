@@ -172,13 +172,13 @@ void choose_elements(LayerDiscretisation& mesh, int level) {
   if (mesh.is_scan && level > 1) mesh.patch = 1 + 1.5 / mesh.elements_per_semi_axis;
 }
 
-std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
-                                             const Pressing& pressing, const Rubs& rubs) {
+Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> make_layer(
+    const LayerDiscretisation& discretisation, const Pressing& pressing, const Rubs& rubs) {
   if (pressing.mesh)
     return std::make_shared<const LayerModel>(discretisation, pressing.materials(), *pressing.mesh,
                                               pressing.thickness_m, rubs);
-  return std::make_shared<const LayerModel>(discretisation, pressing.materials(),
-                                            pressing.bent.shape, pressing.planes(), rubs);
+  return LayerModel::made(discretisation, pressing.materials(), pressing.bent.shape,
+                          pressing.planes(), rubs);
 }
 
 namespace {
@@ -191,14 +191,14 @@ const SurfaceNode* touched_end(const std::vector<SurfaceNode>& nodes,
   return nullptr;
 }
 
-/// Refuses a contact that reaches the end of a scan's layer. Says in which direction and how much
-/// would fit.
+/// Whether a contact reaches the end of a scan's layer: in which direction, and how much would fit.
 /// @param solve  the contact with a compliance, at a share of the load or approach
 template <class Solve>
-void require_surface(const Pressed& pressed, const Pressing& pressing, const Solve& solve) {
+std::optional<FoldedLayer> reached_end(const Pressed& pressed, const Pressing& pressing,
+                                       const Solve& solve) {
   const auto& nodes = pressed.model->nodes();
   const SurfaceNode* const end = touched_end(nodes, pressed.contact.force);
-  if (!end) return;
+  if (!end) return std::nullopt;
   const Eigen::MatrixXd compliance = pressed.cosine.cwiseInverse().asDiagonal() *
                                      pressed.model->compliance() *
                                      pressed.cosine.cwiseInverse().asDiagonal();
@@ -207,7 +207,7 @@ void require_surface(const Pressed& pressed, const Pressing& pressing, const Sol
     const NormalContact contact = solve(compliance, share);
     return contact.approach < 1 && !touched_end(nodes, contact.force);
   });
-  refuse_end_of_layer(*end, pressing, fits);
+  return end_of_layer(*end, pressing, fits);
 }
 
 }  // namespace
@@ -219,7 +219,7 @@ double share_that_fits(const std::function<bool(double)>& fits) {
   return share;
 }
 
-void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
+FoldedLayer end_of_layer(const SurfaceNode& end, const Pressing& pressing,
                          std::optional<double> fits, double around) {
   const double mm = 1e3 * pressing.thickness_m;
   // Around the node, for what is missing there lies on one side of it.
@@ -252,12 +252,12 @@ void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
                 mm * from_first_touch.norm(), mm * from_first_touch.x(), mm * from_first_touch.y());
   const InputError refusal("contact", "room on the finger", where, allowed);
   if (is_rim) throw refusal;
-  throw FoldedLayer(refusal, fits);
+  return {refusal, fits};
 }
 
-void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
-                       const Pressing& pressing) {
-  if (!pressing.bent.is_scan) return;
+std::optional<FoldedLayer> end_beside(const std::vector<SurfaceNode>& nodes,
+                                      const Eigen::VectorXd& force, const Pressing& pressing) {
+  if (!pressing.bent.is_scan) return std::nullopt;
   const auto covers_around = [&](const SurfaceNode& at, double distance) {
     return pressing.bent.shape->covers(at.x - distance, at.x + distance, at.y - distance,
                                        at.y + distance) == LayerShape::Cover::whole;
@@ -271,11 +271,13 @@ void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::Vecto
       if (!farthest || at.position.head<2>().norm() > farthest->position.head<2>().norm())
         farthest = &at;
     }
-    if (farthest) refuse_end_of_layer(*farthest, pressing, std::nullopt, around);
+    if (farthest) return end_of_layer(*farthest, pressing, std::nullopt, around);
   }
+  return std::nullopt;
 }
 
-Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing) {
+Outcome<Pressed, FoldedLayer> press_on(std::shared_ptr<const LayerModel> model,
+                                       const Pressing& pressing) {
   Pressed pressed;
   pressed.model = std::move(model);
   const LayerDiscretisation& discretisation = pressed.model->discretisation();
@@ -313,7 +315,9 @@ Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressi
     pressed.contact = solve(pressed.model->compliance(), 1);
   pressed.normal_force = pressed.contact.force.cwiseQuotient(cosine);
 
-  if (pressing.bent.is_scan) require_surface(pressed, pressing, solve);
+  if (pressing.bent.is_scan)
+    if (const std::optional<FoldedLayer> folded = reached_end(pressed, pressing, solve))
+      return *folded;
 
   const double spacing_a = 0.5 / discretisation.elements_along_a();
   const double spacing_b = 0.5 / discretisation.elements_along_b();
@@ -378,7 +382,7 @@ void refuse_end_of_object(const Eigen::Vector2d& place, const Pressing& pressing
       "an object that covers the contact, or less load");
 }
 
-ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing) {
+Outcome<ContactShape, Unmeasured> measure_shape(const Pressed& pressed, const Pressing& pressing) {
   const auto& nodes = pressed.model->nodes();
   const auto count = static_cast<Index>(nodes.size());
   NodalContact contact(

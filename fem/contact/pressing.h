@@ -98,20 +98,21 @@ struct Pressed {
 /// @param fits  whether it does with a share
 double share_that_fits(const std::function<bool(double)>& fits);
 
-/// Refuses a contact that reaches the end of a scan's layer.
+/// What stands in the way of a contact that reaches the end of a scan's layer.
 /// @param end     touches there, or nearest to it
 /// @param fits    largest share of the load or approach that does not reach it on the same mesh; 0
 ///                where that is less than a thousandth, as on large cells that are cut off beside
 ///                the first touch; none where it is not known
 /// @param around  how far from the node the layer ends at most, in h
-/// @throws FoldedLayer, InputError where the finger ends
-[[noreturn]] void refuse_end_of_layer(const SurfaceNode& end, const Pressing& pressing,
-                                      std::optional<double> fits, double around = 0.3);
+/// @throws InputError where the finger ends
+FoldedLayer end_of_layer(const SurfaceNode& end, const Pressing& pressing,
+                         std::optional<double> fits, double around = 0.3);
 
-/// The same where the layer ends within three thicknesses of what touches, as seen from there.
-/// @throws InputError where it does
-void refuse_end_beside(const std::vector<SurfaceNode>& nodes, const Eigen::VectorXd& force,
-                       const Pressing& pressing);
+/// The same where the layer ends within three thicknesses of what touches, as seen from there; none
+/// where it does not.
+/// @throws InputError where the finger ends
+std::optional<FoldedLayer> end_beside(const std::vector<SurfaceNode>& nodes,
+                                      const Eigen::VectorXd& force, const Pressing& pressing);
 
 /// Semi-axes to begin meshing with: half-space and thin-layer stiffness added, and what is too soft
 /// about that. It decides how many meshes are tried, never the result.
@@ -122,18 +123,19 @@ void choose_elements(LayerDiscretisation& mesh, int level);
 
 /// The layer of a contact on one mesh, factorised.
 /// @throws what LayerModel's constructor throws
-std::shared_ptr<const LayerModel> make_layer(const LayerDiscretisation& discretisation,
-                                             const Pressing& pressing,
-                                             const Rubs& rubs = none_rubs);
+Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> make_layer(
+    const LayerDiscretisation& discretisation, const Pressing& pressing,
+    const Rubs& rubs = none_rubs);
 
 /// @param model  of the pressing's own layer
 /// @throws InputError, ConvergenceError
-Pressed press_on(std::shared_ptr<const LayerModel> model, const Pressing& pressing);
+Outcome<Pressed, FoldedLayer> press_on(std::shared_ptr<const LayerModel> model,
+                                       const Pressing& pressing);
 
 /// The object's surface with its slopes, faceted ones with their edges rounded.
 std::shared_ptr<const RigidObject> rigid_object(const Pressing& pressing);
 
 /// The shape of a pressed contact (contact_shape.h).
-ContactShape measure_shape(const Pressed& pressed, const Pressing& pressing);
+Outcome<ContactShape, Unmeasured> measure_shape(const Pressed& pressed, const Pressing& pressing);
 
 }  // namespace softfinger::fem

@@ -12,6 +12,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::Vector2d;
+using Outlines = Outcome<std::vector<Eigen::Matrix2Xd>, OutgrownPatch>;
 
 /// Share of the way from a touching node to an open one at which the edge lies.
 double edge_between(double pressure, double clearance, double distance, double modulus) {
@@ -45,7 +46,7 @@ class Tracer {
  public:
   explicit Tracer(const TouchingState& state) : state_(state) {}
 
-  std::vector<Eigen::Matrix2Xd> trace() {
+  Outlines trace() {
     for (const std::array<int, 3>& triangle : state_.triangles)
       cross({{triangle[0], {}}, {triangle[1], {}}, {triangle[2], {}}});
     if (!state_.triangles.empty()) return chain();
@@ -133,7 +134,7 @@ class Tracer {
     for (std::size_t i = 0; i < leaves.size(); ++i) next_[leaves[i]] = enters[i];
   }
 
-  std::vector<Eigen::Matrix2Xd> chain() {
+  Outlines chain() {
     std::vector<Eigen::Matrix2Xd> result;
     while (!next_.empty()) {
       std::vector<Vector2d> points;
@@ -147,8 +148,8 @@ class Tracer {
         at = next_.find(to);
       }
       if (to < start || start < to)
-        throw OutgrownPatch("outline of the contact", static_cast<int>(points.size()),
-                            points.back().norm(), "it leaves the refined patch");
+        return OutgrownPatch{{"outline of the contact", static_cast<int>(points.size()),
+                              points.back().norm(), "it leaves the refined patch"}};
       if (points.size() < 3) continue;
       Eigen::Matrix2Xd polygon(2, static_cast<Index>(points.size()));
       for (std::size_t i = 0; i < points.size(); ++i)
@@ -164,7 +165,8 @@ class Tracer {
 
 }  // namespace
 
-std::vector<Eigen::Matrix2Xd> touching_outlines(const TouchingState& state) {
+Outcome<std::vector<Eigen::Matrix2Xd>, OutgrownPatch> touching_outlines(
+    const TouchingState& state) {
   return Tracer(state).trace();
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "fem/base/outcome.h"
 #include "fem/layer/layer_model.h"
 #include "softfinger/input/errors.h"
 
@@ -23,10 +24,9 @@ struct TouchingState {
   std::vector<std::array<int, 3>> triangles = {};
 };
 
-/// The contact lies partly beside the nodes that a state describes.
-class OutgrownPatch : public ConvergenceError {
- public:
-  using ConvergenceError::ConvergenceError;
+/// An outline leaves the nodes that a state describes: the contact lies partly beside them.
+struct OutgrownPatch {
+  ConvergenceError error;  ///< for a caller that has no larger patch
 };
 
 /// Outlines of what touches, counter-clockwise, holes clockwise; of the whole contact with the
@@ -37,7 +37,6 @@ class OutgrownPatch : public ConvergenceError {
 /// (K. L. Johnson, Contact Mechanics, 1985, chapter 5: the edge of every smooth contact looks like
 /// that of a cylinder from nearby). A is found from the distance between the two nodes. Where nodes
 /// on the finger's own edge touch, the contact ends at them.
-/// @throws OutgrownPatch
-std::vector<Eigen::Matrix2Xd> touching_outlines(const TouchingState& state);
+Outcome<std::vector<Eigen::Matrix2Xd>, OutgrownPatch> touching_outlines(const TouchingState& state);
 
 }  // namespace softfinger::fem

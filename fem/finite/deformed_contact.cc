@@ -72,8 +72,8 @@ double outline_outside(const MaterialChoice& material) {
 
 }  // namespace
 
-DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
-                        const MaterialChoice& material) {
+Outcome<DeformedContact, Unmeasured> measure(const FinitePressing& pressing, double surface_modulus,
+                                             const MaterialChoice& material) {
   const FiniteLayer& layer = pressing.layer();
   const Equilibrium& equilibrium = pressing.equilibrium();
   const auto& nodes = layer.nodes();
@@ -95,7 +95,9 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
   nodal.regular = layer.has_grid();
   nodal.outline_outside = outline_outside(material);
   DeformedContact contact;
-  contact.shape = measure_shape(nodal);
+  Outcome<ContactShape, Unmeasured> shape = measure_shape(nodal);
+  if (!shape) return shape.reason();
+  contact.shape = *std::move(shape);
   contact.area =
       contact.shape.projected_area * mean_secant(contact.shape.outlines, *pressing.object());
   const Eigen::Vector2d centre =

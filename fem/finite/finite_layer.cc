@@ -235,7 +235,20 @@ FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation,
                          std::shared_ptr<const LayerShape> shape, MirrorPlanes planes,
                          std::vector<std::shared_ptr<const Material>> materials)
     : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), planes)) {
+  if (implementation_->folded) throw implementation_->folded->refusal;
   implementation_->set_up(std::move(materials));
+}
+
+FiniteLayer::FiniteLayer(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> FiniteLayer::made(
+    const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
+    MirrorPlanes planes, std::vector<std::shared_ptr<const Material>> materials) {
+  auto made = std::make_unique<Implementation>(discretisation, std::move(shape), planes);
+  if (made->folded) return *made->folded;
+  made->set_up(std::move(materials));
+  return std::shared_ptr<FiniteLayer>(new FiniteLayer(std::move(made)));
 }
 
 FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,

@@ -39,6 +39,10 @@ class FiniteLayer {
   /// The whole layer, from a coarse mesh from outside, refined as by `LayerModel`.
   FiniteLayer(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
               double thickness_m, std::vector<std::shared_ptr<const Material>> materials);
+  /// The same as the first constructor, or the reason why a scan has no layer at the contact.
+  static Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> made(
+      const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
+      MirrorPlanes planes, std::vector<std::shared_ptr<const Material>> materials);
   ~FiniteLayer();
   FiniteLayer(const FiniteLayer&) = delete;
   FiniteLayer& operator=(const FiniteLayer&) = delete;
@@ -142,6 +146,7 @@ class FiniteLayer {
 
  private:
   struct Implementation;
+  explicit FiniteLayer(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
 

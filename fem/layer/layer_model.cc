@@ -35,6 +35,7 @@ struct LayerModel::Implementation : LayerSpace {
   Eigen::MatrixXd of_rubbing;
   std::vector<int> rubbing_row;  ///< per node, its first of them; -1: none
 
+  void set_up(std::vector<ElasticConstants> of_sublayers, const Rubs& rubs);
   void set_frames();
   void factorise(const Rubs& rubs);
   void make_pattern();
@@ -134,9 +135,27 @@ LayerModel::LayerModel(const LayerDiscretisation& discretisation,
                        std::shared_ptr<const LayerShape> shape, MirrorPlanes planes,
                        const Rubs& rubs)
     : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), planes)) {
-  implementation_->sublayers = std::move(sublayers);
-  if (implementation_->shape) implementation_->set_frames();
-  implementation_->factorise(rubs);
+  if (implementation_->folded) throw implementation_->folded->refusal;
+  implementation_->set_up(std::move(sublayers), rubs);
+}
+
+LayerModel::LayerModel(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> LayerModel::made(
+    const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
+    std::shared_ptr<const LayerShape> shape, MirrorPlanes planes, const Rubs& rubs) {
+  auto made = std::make_unique<Implementation>(discretisation, std::move(shape), planes);
+  if (made->folded) return *made->folded;
+  made->set_up(std::move(sublayers), rubs);
+  return std::shared_ptr<const LayerModel>(new LayerModel(std::move(made)));
+}
+
+void LayerModel::Implementation::set_up(std::vector<ElasticConstants> of_sublayers,
+                                        const Rubs& rubs) {
+  sublayers = std::move(of_sublayers);
+  if (shape) set_frames();
+  factorise(rubs);
 }
 
 LayerModel::LayerModel(const LayerDiscretisation& discretisation,

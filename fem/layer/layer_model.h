@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "fem/base/outcome.h"
 #include "fem/layer/layer_discretisation.h"
 #include "fem/layer/layer_shape.h"
 #include "fem/layer/surface_nodes.h"
@@ -70,8 +71,7 @@ class LayerModel {
   /// @param planes     of layer, object and load
   /// @param rubs       of a whole layer only: one factorisation then serves pressing and friction
   ///                   on these nodes
-  /// @throws InputError where the shape folds an element, FoldedLayer where a scan's do all,
-  ///         ConvergenceError from the factorisation
+  /// @throws InputError where the shape folds an element, ConvergenceError from the factorisation
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
              std::shared_ptr<const LayerShape> shape = nullptr, MirrorPlanes planes = both_planes,
              const Rubs& rubs = none_rubs);
@@ -83,6 +83,10 @@ class LayerModel {
   /// @param sublayers  of the mesh's regions
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
              const meshes::LayerMesh& mesh, double thickness_m, const Rubs& rubs = none_rubs);
+  /// The same, or the reason why a scan has no layer at the contact.
+  static Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> made(
+      const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
+      std::shared_ptr<const LayerShape> shape, MirrorPlanes planes, const Rubs& rubs = none_rubs);
   ~LayerModel();
   LayerModel(const LayerModel&) = delete;
   LayerModel& operator=(const LayerModel&) = delete;
@@ -115,6 +119,7 @@ class LayerModel {
 
  private:
   struct Implementation;
+  explicit LayerModel(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
 

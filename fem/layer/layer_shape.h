@@ -56,16 +56,13 @@ inline bool ends_finger(LayerShape::Cover cover) {
   return cover == LayerShape::Cover::rim || cover == LayerShape::Cover::edge;
 }
 
-/// A contact lies or reaches where a scan's layer would fold, though the finger goes on.
-class FoldedLayer : public InputError {
- public:
-  /// @param fits  share of the load or approach with which it does not; none where not known
-  explicit FoldedLayer(const InputError& error, std::optional<double> fits = std::nullopt)
-      : InputError(error), fits_(fits) {}
-  const std::optional<double>& fits() const { return fits_; }
-
- private:
-  std::optional<double> fits_;
+/// A contact lies or reaches where a scan's layer would fold, though the finger goes on. On another
+/// core the layer may not fold.
+struct FoldedLayer {
+  InputError refusal;  ///< for a caller that has no other core
+  /// The share of the load or approach with which the contact does not reach the fold; none where
+  /// it is not known.
+  std::optional<double> fits = std::nullopt;
 };
 
 }  // namespace softfinger::fem

@@ -704,12 +704,14 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant,
   // Where cells under the contact fold or do not fit between it and an edge, cells half as long
   // may.
   constexpr double usual = 1, half = 0.5;
-  if (!mesh_block(usual, bent, support)) {
-    try {
-      mesh_block(half, bent, support);
-    } catch (const InputError&) {
-      mesh_block(usual, bent, support);
-    }
+  Left left = mesh_block(usual, bent, support);
+  if (left == Left::part && mesh_block(half, bent, support) == Left::nothing)
+    left = mesh_block(usual, bent, support);
+  if (left == Left::nothing) {
+    folded = FoldedLayer{InputError("finger", "layer at the contact", "none",
+                                    "less load, a thinner layer, or a point farther from edges and "
+                                    "thin walls")};
+    return;
   }
   constrain(support);
   collect_surface(support);
@@ -731,15 +733,15 @@ std::vector<double> lines_of(const meshes::HexahedralMesh& block, int component)
 
 /// @param coarsest  longest cells, in thicknesses
 /// @param support   place of each dof in the block
-/// @returns whether all cells under the contact are left, up to the finger's edges
-bool LayerSpace::mesh_block(double coarsest, const std::shared_ptr<const LayerShape>& bent,
-                            std::vector<dealii::Point<dim>>& support) {
+LayerSpace::Left LayerSpace::mesh_block(double coarsest,
+                                        const std::shared_ptr<const LayerShape>& bent,
+                                        std::vector<dealii::Point<dim>>& support) {
   const Lattice lattice = plan_lattice(discretisation, coarsest);
   meshes::HexahedralMesh block = [&] {
     const auto lock = lock_global_state();
     return with_images(meshes::mesh_layer_block(lattice.block), planes);
   }();
-  bool is_whole = true;
+  Left left = Left::all;
   if (discretisation.is_scan) {
     // Cells that lie partly within the side wall belong to the layer too.
     bent->cover(std::max(discretisation.a, discretisation.b) + discretisation.extent +
@@ -748,22 +750,23 @@ bool LayerSpace::mesh_block(double coarsest, const std::shared_ptr<const LayerSh
       shape = to_edges = std::make_shared<const EdgeShape>(
           bent, lines_of(block, 0), lines_of(block, 1),
           Eigen::Vector2d(lattice.block.inner_x, lattice.block.inner_y));
-    is_whole = leave_out_uncovered(block);
+    left = leave_out_uncovered(block);
   }
-  while (true) {
+  while (!block.cells.empty()) {
     clear_mesh();
     make_triangulation(block, triangulation);
     refine_towards_patch(discretisation, lattice.refinements, triangulation);
     dofs.distribute_dofs(element);
     support = support_points();
     bend(support);
-    if (!discretisation.is_scan) return true;
-    const Columns folded = folded_columns();
-    if (folded.empty()) return is_whole;
-    for (const auto& [corner, box] : folded)
-      is_whole = is_whole && !is_in_patch(box, discretisation);
-    leave_out_folded(folded, block);
+    if (!discretisation.is_scan) return left;
+    const Columns folding = folded_columns();
+    if (folding.empty()) return left;
+    for (const auto& [corner, box] : folding)
+      if (is_in_patch(box, discretisation)) left = Left::part;
+    leave_out_folded(folding, block);
   }
+  return Left::nothing;
 }
 
 LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh,
@@ -792,21 +795,14 @@ std::pair<long, long> column_at(double x, double y) {
   return {std::lround(fine * x), std::lround(fine * y)};
 }
 
-void require_cells(const meshes::HexahedralMesh& block) {
-  if (block.cells.empty())
-    throw FoldedLayer(InputError("finger", "layer at the contact", "none",
-                                 "less load, a thinner layer, or a point farther from edges and "
-                                 "thin walls"));
-}
-
 }  // namespace
 
 /// Cells where the shape ends are no part of the mesh, nor islands beyond them.
-/// @returns whether none under the contact reaches over the finger's edge
-bool LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
+/// Those that reach over the finger's edge are missed under the contact.
+LayerSpace::Left LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
   meshes::HexahedralMesh covered;
   covered.vertices = block.vertices;
-  bool is_whole = true;
+  Left left = Left::all;
   for (std::size_t i = 0; i < block.cells.size(); ++i) {
     Box box{{infinite, infinite, infinite}, {-infinite, -infinite, -infinite}};
     for (const int vertex : block.cells[i])
@@ -823,16 +819,15 @@ bool LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
       continue;
     const LayerShape::Cover cover = shape->covers(low[0], high[0], low[1], high[1]);
     if (to_edges && ends_finger(cover) && is_in_patch(box, mesh) && reaches_over_edge(box))
-      is_whole = false;
+      left = Left::part;
     if (cover != LayerShape::Cover::whole) continue;
     covered.cells.push_back(block.cells[i]);
     covered.region.push_back(block.region[i]);
   }
-  if (covered.cells.size() == block.cells.size()) return true;
+  if (covered.cells.size() == block.cells.size()) return Left::all;
   block = std::move(covered);
   keep_cells_around_contact(block);
-  require_cells(block);
-  return is_whole;
+  return left;
 }
 
 /// Whether a cell that reaches beyond the finger's edge lies on this side of it as well.
@@ -852,7 +847,7 @@ LayerSpace::Columns LayerSpace::folded_columns() const {
   constexpr unsigned int points_per_direction = 3;  // where stiffness is integrated
   dealii::FEValues<dim> values(*mapping, element, dealii::QGauss<dim>(points_per_direction),
                                dealii::update_JxW_values);
-  Columns folded;
+  Columns folding;
   for (const auto& cell : dofs.active_cell_iterators()) {
     values.reinit(cell);
     const std::vector<double>& volumes = values.get_JxW_values();
@@ -860,27 +855,26 @@ LayerSpace::Columns LayerSpace::folded_columns() const {
     auto coarse = static_cast<dealii::Triangulation<dim>::cell_iterator>(cell);
     while (coarse->level() > 0) coarse = coarse->parent();
     const Box box = box_of(coarse);
-    folded.emplace(column_at(box.first[0], box.first[1]), box);
+    folding.emplace(column_at(box.first[0], box.first[1]), box);
   }
-  return folded;
+  return folding;
 }
 
 /// A cell that folds is left out with all above and below it: no contact shall lie over a hole. The
 /// mesh then has to be made anew from what is left.
-void LayerSpace::leave_out_folded(const Columns& folded, meshes::HexahedralMesh& block) const {
+void LayerSpace::leave_out_folded(const Columns& folding, meshes::HexahedralMesh& block) const {
   meshes::HexahedralMesh left;
   left.vertices = block.vertices;
   for (std::size_t i = 0; i < block.cells.size(); ++i) {
     Eigen::Vector3d low = block.vertices[static_cast<std::size_t>(block.cells[i][0])];
     for (const int vertex : block.cells[i])
       low = low.cwiseMin(block.vertices[static_cast<std::size_t>(vertex)]);
-    if (folded.count(column_at(low.x(), low.y()))) continue;
+    if (folding.count(column_at(low.x(), low.y()))) continue;
     left.cells.push_back(block.cells[i]);
     left.region.push_back(block.region[i]);
   }
   block = std::move(left);
   keep_cells_around_contact(block);
-  require_cells(block);
 }
 
 void LayerSpace::clear_mesh() {

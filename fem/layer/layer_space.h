@@ -15,6 +15,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,8 @@ struct Unknowns {
 struct LayerSpace {
   using Dof = dealii::types::global_dof_index;
 
+  /// Where a scan's layer folds everywhere at the contact, `folded` says so, and nothing else may
+  /// be asked.
   /// @param bent      null: flat
   /// @param mirrored  at these planes only one side is meshed
   LayerSpace(const LayerDiscretisation& meant, const std::shared_ptr<const LayerShape>& bent,
@@ -50,6 +53,7 @@ struct LayerSpace {
   /// The whole layer, from a coarse mesh that the user supplies ("from outside").
   LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh, double thickness_m);
 
+  std::optional<FoldedLayer> folded;
   LayerDiscretisation discretisation;
   // deal.II can smooth the refinement further. That would add up to as many cells again, and change
   // no result by as much as its stated error.
@@ -108,6 +112,8 @@ struct LayerSpace {
   std::vector<int> dissection_of(const Unknowns& free) const;
 
  private:
+  /// How much of the block under the contact is left, up to the finger's edges.
+  enum class Left { all, part, nothing };
   std::vector<dealii::Point<dim>> support_points() const;
   void bend(const std::vector<dealii::Point<dim>>& support);
   void constrain(const std::vector<dealii::Point<dim>>& support);
@@ -115,16 +121,16 @@ struct LayerSpace {
   void collect_meshed_surface(const std::vector<dealii::Point<dim>>& support);
   std::vector<char> dofs_on(const std::function<bool(dealii::types::boundary_id)>& is_meant) const;
   bool is_at_rim(const dealii::Point<dim>& face, const dealii::Point<dim>& cell) const;
-  bool leave_out_uncovered(meshes::HexahedralMesh& block) const;
+  Left leave_out_uncovered(meshes::HexahedralMesh& block) const;
   bool reaches_over_edge(const std::pair<dealii::Point<dim>, dealii::Point<dim>>& box) const;
   /// Coarse cells seen from above, by their lowest corner.
   using Columns =
       std::map<std::pair<long, long>, std::pair<dealii::Point<dim>, dealii::Point<dim>>>;
-  bool mesh_block(double coarsest, const std::shared_ptr<const LayerShape>& bent,
+  Left mesh_block(double coarsest, const std::shared_ptr<const LayerShape>& bent,
                   std::vector<dealii::Point<dim>>& support);
   void clear_mesh();
   Columns folded_columns() const;
-  void leave_out_folded(const Columns& folded, meshes::HexahedralMesh& block) const;
+  void leave_out_folded(const Columns& folding, meshes::HexahedralMesh& block) const;
   enum class Walls {
     on_edges,      ///< where the finger ends at a sharp edge
     beside_edges,  ///< all others

@@ -2,6 +2,11 @@
 
 namespace softfinger::fem {
 
+std::string message_of(const Obstacle& obstacle) {
+  if (const auto* last = std::get_if<NotReached>(&obstacle)) return last->error.what();
+  return std::get<FoldedLayer>(obstacle).refusal.what();
+}
+
 void set_shape(const ContactShape& shape, double thickness_m, double youngs_modulus_Pa,
                LevelResult& result) {
   const double h = thickness_m, E = youngs_modulus_Pa;

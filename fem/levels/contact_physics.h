@@ -2,14 +2,15 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "fem/base/ordered_progress.h"
+#include "fem/base/outcome.h"
 #include "fem/base/progress.h"
 #include "fem/contact/pressing.h"
 #include "fem/levels/error_model.h"
@@ -46,34 +47,17 @@ struct Measurement {
 };
 
 /// The load was not reached on a mesh, which may be far too wide and coarse for it.
-class NotReached : public ConvergenceError {
- public:
-  /// @param a, b  semi-axes of the contact at the last load that converged, in h
-  NotReached(const ConvergenceError& error, double a, double b)
-      : ConvergenceError(error), a_(a), b_(b) {}
-  double a() const { return a_; }
-  double b() const { return b_; }
-
- private:
-  double a_, b_;
+struct NotReached {
+  ConvergenceError error;  ///< for a caller that has no other mesh
+  /// Semi-axes of the contact at the last load that converged, in h; 0: none did.
+  double a = 0, b = 0;
 };
 
-/// The pressure's centre lies beside where coordinates begin, about which friction turns: the
-/// contact is solved again in coordinates that begin there.
-class OffCentre : public std::exception {
- public:
-  /// @param centre  of the pressure, in h
-  /// @param size_m  semi-axes of the contact
-  OffCentre(const Eigen::Vector2d& centre, const std::array<double, 2>& size_m)
-      : centre_(centre), size_m_(size_m) {}
-  const char* what() const noexcept override { return "coordinates begin beside the contact"; }
-  const Eigen::Vector2d& centre() const { return centre_; }
-  const std::array<double, 2>& size_m() const { return size_m_; }
+/// Why a contact is not pressed on a mesh.
+using Obstacle = std::variant<NotReached, FoldedLayer>;
 
- private:
-  Eigen::Vector2d centre_;
-  std::array<double, 2> size_m_;
-};
+/// The line that tells a user of it.
+std::string message_of(const Obstacle& obstacle);
 
 /// Sets what the result takes from the shape of the contact.
 void set_shape(const ContactShape& shape, double thickness_m, double youngs_modulus_Pa,
@@ -113,18 +97,21 @@ class ContactPhysics {
   /// memory is free.
   /// @param level  0 on trial meshes too
   /// @param mesh   not looked at where meshes are shared
+  /// @returns none where the contact is pressed; after an obstacle nothing may be asked of it but
+  /// to
+  ///          press again
   /// @throws InputError, ConvergenceError, NotEnoughMemory
-  virtual void press(const LayerDiscretisation& mesh, int level) = 0;
+  virtual std::optional<Obstacle> press(const LayerDiscretisation& mesh, int level) = 0;
 
   virtual RoughSize size() const = 0;
 
-  /// Refuses a contact that comes so near the layer's end that a clamped wall would be touched.
-  /// @throws InputError where it does
-  virtual void refuse_end_beside() const = 0;
+  /// Whether a contact comes so near the layer's end that a clamped wall would be touched.
+  /// @throws InputError where the finger ends there
+  virtual std::optional<FoldedLayer> end_beside() const = 0;
 
   /// The same physics for another contact, nearly the same, pressed on a mesh of its own.
   /// @throws InputError, ConvergenceError, NotEnoughMemory
-  using PressOther = std::function<std::unique_ptr<ContactPhysics>(
+  using PressOther = std::function<Outcome<std::unique_ptr<ContactPhysics>, Obstacle>(
       const ContactTask& other, const LayerDiscretisation& mesh)>;
   /// Starts from what is pressed now. Another thread may call it while this contact goes on.
   virtual PressOther press_other() = 0;
@@ -133,7 +120,7 @@ class ContactPhysics {
   virtual const LayerDiscretisation& discretisation() const = 0;
 
   /// @throws ConvergenceError, InputError
-  virtual Measurement measure() = 0;
+  virtual Outcome<Measurement, Unmeasured> measure() = 0;
 
   /// @pre measured
   /// @param plan      made here when it has none, by the first level, and followed by the next

@@ -1,9 +1,9 @@
-#include "fem/levels/level_loop.h"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <exception>
 #include <functional>
 #include <utility>
 
@@ -14,6 +14,7 @@
 #include "fem/base/threads.h"
 #include "fem/contact/touching_outline.h"
 #include "fem/friction/friction_study.h"
+#include "fem/levels/level_loop.h"
 #include "fem/problem/check_problem.h"
 #include "meshes/generation/object_surface.h"
 
@@ -114,17 +115,58 @@ Profile profile_of(const std::vector<PressurePoint>& nodes, const ElasticLayer& 
   return profile;
 }
 
+/// A folded layer may be pressed on another core. A load that is not reached is an error.
+/// @throws ConvergenceError
+Unsolved unsolved_by(const Obstacle& obstacle) {
+  if (const auto* last = std::get_if<NotReached>(&obstacle)) throw last->error;
+  return std::get<FoldedLayer>(obstacle);
+}
+
+/// @throws ConvergenceError
+Measurement measured(ContactPhysics& physics) {
+  Outcome<Measurement, Unmeasured> measurement = physics.measure();
+  if (!measurement) throw measurement.reason().error;
+  return *std::move(measurement);
+}
+
+/// Does both at the same time, or in turn where there is one thread. If the first one cannot be
+/// solved, nothing of the second one counts, not even its failure: the answer does not depend on
+/// the number of threads.
+template <class First, class Second>
+std::optional<Unsolved> first_unsolved(const First& first, const Second& second) {
+  std::optional<Unsolved> of_first, of_second;
+  std::exception_ptr failure;
+  std::atomic<bool> is_given_up{false};
+  side_by_side(
+      [&] {
+        of_first = first();
+        is_given_up = of_first.has_value();
+      },
+      [&] {
+        if (is_given_up) return;
+        try {
+          of_second = second();
+        } catch (...) {
+          failure = std::current_exception();
+        }
+      });
+  if (of_first) return of_first;
+  if (failure) std::rethrow_exception(failure);
+  return of_second;
+}
+
 class LevelLoop {
  public:
   LevelLoop(ContactPhysics& physics, const ContactTask& task)
       : physics_(physics), task_(task), problem_(task.problem) {}
 
-  std::optional<Result> run() {
+  Outcome<Result, Unsolved> run() {
     tell_first_touch();
-    find_size();
-    const bool is_solved =
-        problem_.fingertip.scan ? solve_levels_beside_readings() : solve_levels();
-    if (!is_solved || !meshes_serve()) return std::nullopt;
+    if (const auto unsolved = find_size()) return *unsolved;
+    if (const auto unsolved =
+            problem_.fingertip.scan ? solve_levels_beside_readings() : solve_levels())
+      return *unsolved;
+    if (!meshes_serve()) return Unsolved(MeshesDoNotServe{});
     correct_wall();
     estimate();
     describe();
@@ -142,47 +184,52 @@ class LevelLoop {
           formatted("first touch at x %.3g, y %.3g mm from the aimed point", at_mm.x(), at_mm.y()));
   }
 
-  void find_size() {
+  std::optional<Unsolved> find_size() {
     if (physics_.shares_meshes()) {
-      physics_.press({}, problem_.level - 1);
+      if (const auto obstacle = physics_.press({}, problem_.level - 1))
+        return unsolved_by(*obstacle);
     } else {
       mesh_ = first_guess(task_.pressing);
       mesh_.a = std::max(mesh_.a, mesh_.b);
       keep_guess_sensible(mesh_);
       if (problem_.size_hint_m) take_hint(*problem_.size_hint_m);
-      for (int trial = 1; !fits_trial(trial); ++trial)
+      for (int trial = 1;; ++trial) {
+        const std::optional<Obstacle> obstacle = press_trial(trial);
+        if (obstacle && std::holds_alternative<FoldedLayer>(*obstacle))
+          return unsolved_by(*obstacle);
+        if (!obstacle && fits_trial(trial)) break;
+        if (obstacle) plan_beyond(std::get<NotReached>(*obstacle), trial);
         if (task_.stop()) throw Interrupted();
+      }
     }
-    trial_ = physics_.measure();
+    trial_ = measured(physics_);
     trial_.result.level = 0;
     fit_mesh_to(trial_.block_a, trial_.block_b);
-    require_centre();
+    if (const auto beside = off_centre()) return *beside;
     if (physics_.shares_meshes())
       task_.progress(
           formatted("meshes of an earlier contact, %.3g times as large", trial_.result.oversize));
+    return std::nullopt;
   }
 
   /// The object turns about where coordinates begin. A hundredth of the contact beside its centre
   /// is worth 1e-4 of the torque of a symmetric pressure, up to 3e-3 of one that ends at an edge.
-  /// @throws OffCentre
-  void require_centre() const {
+  std::optional<OffCentre> off_centre() const {
     constexpr double tolerated = 0.01;
     const FingertipShape& bent = task_.pressing.bent;
     if (!problem_.friction.any() || !bent.shape || !bent.centre.isZero(0) ||
         trial_.centre.norm() <= tolerated * trial_.block_b)
-      return;
+      return std::nullopt;
     const double h = task_.pressing.thickness_m;
-    throw OffCentre(trial_.centre, {h * mesh_.a, h * mesh_.b});
+    return OffCentre{trial_.centre, {h * mesh_.a, h * mesh_.b}};
   }
 
-  /// @returns false where shared meshes are too small for the contact
-  bool solve_levels() {
+  std::optional<Unsolved> solve_levels() {
     check_twist_axis(problem_, trial_.result);
     if (task_.stop()) throw Interrupted();
-    if (!solve_level(problem_.level - 1)) return false;
+    if (const auto unsolved = solve_level(problem_.level - 1)) return unsolved;
     if (!wall_is_near(measured_on_)) return solve_finer_level();
     // What the finer level asks for does not depend on the wall.
-    bool is_solved = false;
     const auto press_other = physics_.press_other();
     const LevelResult free = coarse();
     const LayerDiscretisation mesh =
@@ -192,39 +239,40 @@ class LevelLoop {
     if (const auto& shape = pressing.bent.shape)
       if (std::shared_ptr<const LayerShape> own = shape->copy()) pressing.bent.shape = own;
     const ContactTask task{problem_, pressing, task_.progress.place(), task_.stop};
-    side_by_side(
-        [&] {
-          result_.wall = measure_wall(task, mesh, free, press_other);
+    return first_unsolved(
+        [&]() -> std::optional<Unsolved> {
+          const Outcome<WallChange, Obstacle> wall = measure_wall(task, mesh, free, press_other);
           task.progress.close();
+          if (!wall) return unsolved_by(wall.reason());
+          result_.wall = *wall;
+          return std::nullopt;
         },
-        [&] { is_solved = solve_finer_level(); });
-    return is_solved;
+        [&] { return solve_finer_level(); });
   }
 
-  bool solve_finer_level() {
+  std::optional<Unsolved> solve_finer_level() {
     if (!task_.stop()) return solve_level(problem_.level);
     keep_finished_level(problem_.level - 1);
-    return true;
+    return std::nullopt;
   }
 
   /// What other readings of the scan tell does not change the levels.
-  bool solve_levels_beside_readings() {
+  std::optional<Unsolved> solve_levels_beside_readings() {
     std::optional<Readings> readings{
         {physics_.press_other(), physics_.discretisation(), trial_.result, task_.progress.place()}};
-    const auto read = [&] {
-      core_error_ = measure_core(*readings);
+    const auto read = [&]() -> std::optional<Unsolved> {
+      const Outcome<RelativeError, FoldedLayer> core_error = measure_core(*readings);
+      if (!core_error) return core_error.reason();
+      core_error_ = *core_error;
       result_.geometry_error = measure_readings(*readings);
       readings->tell.close();
+      return std::nullopt;
     };
+    if (!problem_.friction.any()) return first_unsolved(read, [&] { return solve_levels(); });
     // Friction takes most of the memory: the readings have given theirs back by then.
-    if (problem_.friction.any()) {
-      read();
-      readings.reset();
-      return solve_levels();
-    }
-    bool is_solved = false;
-    side_by_side(read, [&] { is_solved = solve_levels(); });
-    return is_solved;
+    if (const auto unsolved = read()) return unsolved;
+    readings.reset();
+    return solve_levels();
   }
 
   /// A hint for which the layer has no room would refuse what may fit.
@@ -237,31 +285,33 @@ class LevelLoop {
     if (hinted.is_within_reach()) mesh_ = hinted;
   }
 
-  /// Presses a trial mesh. @returns whether it suits the contact; if not, the next one is planned
-  bool fits_trial(int trial) {
+  std::optional<Obstacle> press_trial(int trial) {
     choose_elements(mesh_, 0);
     mesh_.elements_per_semi_axis *= trial_refinement_;
     check_reach(mesh_, problem_);
     tell_unknowns(formatted("mesh %d", trial));
-    try {
-      physics_.press(mesh_, 0);
-    } catch (const NotReached& last) {
-      // On a mesh that is made for the contact so far, and then on a finer one, Newton's method may
-      // get farther: coarse cells beside the contact collapse under large strain.
-      LayerDiscretisation next = mesh_;
-      next.a = rounded(growth_at_rim * last.a());
-      next.b = rounded(growth_at_rim * last.b());
-      if (trial == most_trials || !(last.b() > 0)) throw;
-      if (misfit(mesh_, next.a, next.b) < worth_another) {
-        if (trial_refinement_ == finest_trial) throw;
-        ++trial_refinement_;
-      }
-      task_.progress(formatted("mesh %d: %s; once more on a mesh for a/h %.3g, b/h %.3g", trial,
-                               last.what(), next.a, next.b));
-      mesh_.a = next.a;
-      mesh_.b = next.b;
-      return false;
+    return physics_.press(mesh_, 0);
+  }
+
+  /// Plans the next trial mesh where the load was not reached. On a mesh that is made for the
+  /// contact so far, and then on a finer one, Newton's method may get farther: coarse cells beside
+  /// the contact collapse under large strain.
+  /// @throws ConvergenceError where another mesh promises nothing
+  void plan_beyond(const NotReached& last, int trial) {
+    if (trial == most_trials || !(last.b > 0)) throw last.error;
+    const double a = rounded(growth_at_rim * last.a), b = rounded(growth_at_rim * last.b);
+    if (misfit(mesh_, a, b) < worth_another) {
+      if (trial_refinement_ == finest_trial) throw last.error;
+      ++trial_refinement_;
     }
+    task_.progress(formatted("mesh %d: %s; once more on a mesh for a/h %.3g, b/h %.3g", trial,
+                             last.error.what(), a, b));
+    mesh_.a = a;
+    mesh_.b = b;
+  }
+
+  /// Whether the trial mesh that is pressed suits the contact. If not, the next one is planned.
+  bool fits_trial(int trial) {
     const RoughSize found = physics_.size();
     const double difference = misfit(mesh_, found.a, found.b);
     task_.progress(formatted("mesh %d: a/h %.4g, b/h %.4g, d/h %.4g, unknowns %ld%s%s", trial,
@@ -286,55 +336,55 @@ class LevelLoop {
     mesh_.b = rounded(b);
   }
 
-  /// @returns false where shared meshes are too small for the contact
-  bool solve_level(int level) {
+  std::optional<Unsolved> solve_level(int level) {
     const Stopwatch watch;
     const bool is_pressed = level == 0 && physics_.trial_is_level_0() && room_ == 1;
     if (!is_pressed) {
       if (!physics_.shares_meshes()) refine(level);
-      try {
-        physics_.press(mesh_, level);
-      } catch (const NotReached& last) {
-        // What a fine trial mesh bore, a coarser one may not.
-        if (trial_refinement_ == 1 || level_refinement_ > 1 || !result_.levels.empty()) throw;
-        task_.progress(formatted("level %d: %s; once more with finer cells", level, last.what()));
+      std::optional<Obstacle> obstacle = physics_.press(mesh_, level);
+      // What a fine trial mesh bore, a coarser one may not.
+      const bool may_be_finer =
+          trial_refinement_ > 1 && level_refinement_ == 1 && result_.levels.empty();
+      if (obstacle && std::holds_alternative<NotReached>(*obstacle) && may_be_finer) {
+        task_.progress(formatted("level %d: %s; once more with finer cells", level,
+                                 message_of(*obstacle).c_str()));
         level_refinement_ = finer_levels;
         refine(level);
-        physics_.press(mesh_, level);
+        obstacle = physics_.press(mesh_, level);
       }
+      if (obstacle) return unsolved_by(*obstacle);
     }
     if (const RoughSize size = physics_.size(); size.reaches_rim) {
-      if (physics_.shares_meshes()) return false;
+      if (physics_.shares_meshes()) return MeshesDoNotServe{};
       task_.progress(formatted("level %d: the contact outgrew its mesh; a larger one", level));
-      grow_mesh(level);
+      if (const auto obstacle = grow_mesh(level)) return unsolved_by(*obstacle);
       if (physics_.size().reaches_rim)
         throw ConvergenceError("size of the refined patch", level, size.a / mesh_.a,
                                "the contact outgrew the patch on refinement");
     }
-    std::optional<Measurement> found;
-    try {
-      found = physics_.measure();
-    } catch (const OutgrownPatch&) {
+    Outcome<Measurement, Unmeasured> found = physics_.measure();
+    if (!found && found.reason().outgrew_patch) {
       // The outline passes beside the cells that were made for it.
-      if (physics_.shares_meshes()) return false;
+      if (physics_.shares_meshes()) return MeshesDoNotServe{};
       task_.progress(
           formatted("level %d: the contact is not where its mesh is; a larger one", level));
-      grow_mesh(level);
+      if (const auto obstacle = grow_mesh(level)) return unsolved_by(*obstacle);
       found = physics_.measure();
     }
+    if (!found) throw found.reason().error;
     if (problem_.friction.any() && !solve_friction(level)) {
-      if (physics_.shares_meshes()) return false;
+      if (physics_.shares_meshes()) return MeshesDoNotServe{};
       return solve_level(level);
     }
-    keep(std::move(*found), level, watch);
-    return true;
+    keep(*std::move(found), level, watch);
+    return std::nullopt;
   }
 
   /// Cells of the same size, in a larger patch: large cells may not bear what these do.
-  void grow_mesh(int level) {
+  std::optional<Obstacle> grow_mesh(int level) {
     mesh_.patch *= growth_at_rim;
     check_reach(mesh_, problem_);
-    physics_.press(mesh_, level);
+    return physics_.press(mesh_, level);
   }
 
   /// Whether a larger patch can still be meshed.
@@ -419,10 +469,9 @@ class LevelLoop {
   /// The core's ridge is drawn by ways from the surface that end on it, and by cells that are not
   /// fitted to it. How far other ways change the answer tells what that leaves open: all of the
   /// largest change is stated.
-  /// @throws FoldedLayer where no other ways can be pressed
-  RelativeError measure_core(const Readings& readings) const {
+  Outcome<RelativeError, FoldedLayer> measure_core(const Readings& readings) const {
     const CoreWays own = task_.pressing.bent.ways;
-    if (own == CoreWays::smoothed) return {};
+    if (own == CoreWays::smoothed) return RelativeError{};
     std::vector<Other> others;
     for (const CoreWays ways :
          {CoreWays::eroded, CoreWays::eroded_nearer, CoreWays::eroded_smoother, CoreWays::smoothed})
@@ -436,9 +485,9 @@ class LevelLoop {
         largest.*quantity = std::max(largest.*quantity, *change.*quantity);
     }
     if (!is_known && !task_.stop())
-      throw FoldedLayer(InputError("contact", "room on the finger",
-                                   "its layer would fold with all ways to its core but one",
-                                   "less load, or another point"));
+      return FoldedLayer{InputError("contact", "room on the finger",
+                                    "its layer would fold with all ways to its core but one",
+                                    "less load, or another point")};
     readings.tell(formatted(
         "core: what its ridge leaves open changes a by %.3g, area by %.3g, d by %.3g, torque by "
         "%.3g %%",
@@ -545,33 +594,41 @@ class LevelLoop {
                                               const OrderedProgress& tell) const {
     constexpr double least_part = 0.25;
     for (double part = 1; part >= least_part && !task_.stop(); part /= 2) {
+      std::string failure;
       try {
-        RelativeError change =
+        Outcome<RelativeError, std::string> change =
             change_by(other.reading ? other.reading(part) : Reading(), other.ways, readings, tell);
-        for (const auto quantity : relative_errors) change.*quantity /= part;
-        return change;
+        if (change) {
+          for (const auto quantity : relative_errors) (*change).*quantity /= part;
+          return *change;
+        }
+        failure = change.reason();
       } catch (const NotEnoughMemory&) {
         throw;
       } catch (const Interrupted&) {
         return std::nullopt;
       } catch (const std::runtime_error& error) {
-        tell(std::string("geometry: another reading of the scan or its core cannot be pressed: ") +
-             error.what());
+        failure = error.what();
       }
+      tell("geometry: another reading of the scan or its core cannot be pressed: " + failure);
       if (!other.reading) break;
     }
     return std::nullopt;
   }
 
-  RelativeError change_by(const Reading& reading, CoreWays ways, const Readings& readings,
-                          const OrderedProgress& tell) const {
+  /// @returns the change, or why this reading cannot be pressed
+  Outcome<RelativeError, std::string> change_by(const Reading& reading, CoreWays ways,
+                                                const Readings& readings,
+                                                const OrderedProgress& tell) const {
     Pressing other = task_.pressing;
     other.bent = shape_fingertip(other.fingertip, other.thickness_m, reading, ways);
     // What starts from this contact has its coordinates.
     const Eigen::Vector2d& centre = task_.pressing.bent.centre;
     if (!centre.isZero(0)) other.bent = other.bent.seen_from(centre);
     const ContactTask task{problem_, other, tell, task_.stop};
-    const std::unique_ptr<ContactPhysics> physics = readings.press(task, readings.mesh);
+    const auto pressed = readings.press(task, readings.mesh);
+    if (!pressed) return message_of(pressed.reason());
+    ContactPhysics* const physics = pressed->get();
     // It touches first elsewhere, so that it may lie beside the patch that was refined.
     const auto fits = [&] {
       const RoughSize size = physics->size();
@@ -584,9 +641,11 @@ class LevelLoop {
       const double growth = size.reaches_rim ? growth_at_rim : 1;
       mesh.a = rounded(growth * size.a);
       mesh.b = rounded(growth * size.b);
-      physics->press(mesh, 0);
+      if (const auto obstacle = physics->press(mesh, 0)) return message_of(*obstacle);
     }
-    const LevelResult found = physics->measure().result;
+    const Outcome<Measurement, Unmeasured> measurement = physics->measure();
+    if (!measurement) return std::string(measurement.reason().error.what());
+    const LevelResult& found = measurement->result;
     const auto change = [&](double LevelResult::*quantity) {
       return std::abs(found.*quantity / readings.best.*quantity - 1);
     };
@@ -602,24 +661,23 @@ class LevelLoop {
   /// A free wall yields too much and a clamped one too little.
   /// @param mesh   of the level
   /// @param press  from its state
-  WallChange measure_wall(const ContactTask& task, LayerDiscretisation mesh,
-                          const LevelResult& free, const ContactPhysics::PressOther& press) const {
+  Outcome<WallChange, Obstacle> measure_wall(const ContactTask& task, LayerDiscretisation mesh,
+                                             const LevelResult& free,
+                                             const ContactPhysics::PressOther& press) const {
     mesh.clamped_wall = true;
-    std::unique_ptr<ContactPhysics> physics = press(task, mesh);
-    const LevelResult clamped = [&] {
-      try {
-        return physics->measure().result;
-      } catch (const OutgrownPatch&) {
-        mesh.patch *= growth_at_rim;
-        physics->press(mesh, 0);
-        try {
-          return physics->measure().result;
-        } catch (const OutgrownPatch&) {
-          physics->refuse_end_beside();
-          throw;
-        }
-      }
-    }();
+    const auto pressed = press(task, mesh);
+    if (!pressed) return pressed.reason();
+    ContactPhysics& physics = **pressed;
+    Outcome<Measurement, Unmeasured> measurement = physics.measure();
+    if (!measurement && measurement.reason().outgrew_patch) {
+      mesh.patch *= growth_at_rim;
+      if (const auto obstacle = physics.press(mesh, 0)) return *obstacle;
+      measurement = physics.measure();
+      if (!measurement && measurement.reason().outgrew_patch)
+        if (const auto folded = physics.end_beside()) return Obstacle(*folded);
+    }
+    if (!measurement) throw measurement.reason().error;
+    const LevelResult& clamped = measurement->result;
     const auto half = [&](double LevelResult::*quantity) {
       return (clamped.*quantity / free.*quantity - 1) / 2;
     };
@@ -761,7 +819,7 @@ class LevelLoop {
 
 }  // namespace
 
-std::optional<Result> solve_on_levels(ContactPhysics& physics, const ContactTask& task) {
+Outcome<Result, Unsolved> solve_on_levels(ContactPhysics& physics, const ContactTask& task) {
   return LevelLoop(physics, task).run();
 }
 

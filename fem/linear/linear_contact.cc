@@ -16,7 +16,7 @@
 namespace softfinger::fem {
 namespace {
 
-/// Semi-axes over h that are accepted; README.md compares contacts from a/h = 0.05 to 20.
+/// Semi-axes over h that are accepted. Contacts from a/h = 0.05 to 20 are verified.
 constexpr double smallest_b = 1e-4, largest_b = 50, largest_a = 300;
 /// Largest contact, over the sphere's radius. Beyond it the gap is so steep that small strain does
 /// not apply.
@@ -46,7 +46,9 @@ double told_load(double load_N) {
 }
 
 /// What linear elasticity cannot press: finite strain can.
-[[noreturn]] void refuse_pressed_through(const Pressed& pressed, const ContactTask& task) {
+/// @returns what stands in the way of saying how much it can
+/// @throws InputError otherwise
+FoldedLayer refuse_pressed_through(const Pressed& pressed, const ContactTask& task) {
   const char* const beyond = "the approach reaches the layer's thickness";
   if (task.problem.approach_m > 0)
     throw too_much(task.problem, formatted("less, or finite strain: %s (%.3g times it), far "
@@ -54,15 +56,19 @@ double told_load(double load_N) {
                                            beyond, pressed.contact.approach));
   Pressing through = task.pressing;
   through.approach = 1;
-  const double load_N = through.unit_of_force_N * press_on(pressed.model, through).load();
+  const Outcome<Pressed, FoldedLayer> largest = press_on(pressed.model, through);
+  if (!largest) return largest.reason();
+  const double load_N = through.unit_of_force_N * largest->load();
   throw too_much(task.problem, formatted("about %g at most, or finite strain: %s (%.3g times it), "
                                          "far outside linear elasticity",
                                          told_load(load_N), beyond, pressed.contact.approach));
 }
 
-void check_sensible(const Pressed& pressed, const ContactTask& task) {
+/// @throws InputError for a contact that linear elasticity on a layer does not describe
+std::optional<FoldedLayer> check_sensible(const Pressed& pressed, const ContactTask& task) {
   // A region that is too small holds less: the next mesh is larger.
-  if (pressed.contact.approach >= 1 && !pressed.reaches_rim) refuse_pressed_through(pressed, task);
+  if (pressed.contact.approach >= 1 && !pressed.reaches_rim)
+    return refuse_pressed_through(pressed, task);
   if (pressed.moment_b > largest_b || pressed.moment_a > largest_a || pressed.moment_b < smallest_b)
     throw InputError(task.problem.name, "contact",
                      formatted("b/h %.3g, a/h %.3g", pressed.moment_b, pressed.moment_a),
@@ -71,6 +77,7 @@ void check_sensible(const Pressed& pressed, const ContactTask& task) {
   const double sphere = task.pressing.sphere;
   if (std::isfinite(sphere) && pressed.moment_a > widest_on_sphere * sphere)
     throw too_much(task.problem, "less: the contact is as wide as the sphere");
+  return std::nullopt;
 }
 
 class LinearContact : public ContactPhysics {
@@ -95,19 +102,24 @@ class LinearContact : public ContactPhysics {
   bool shares_meshes() const override { return shares_meshes_; }
   bool trial_is_level_0() const override { return true; }
 
-  void press(const LayerDiscretisation& mesh, int level) override {
+  std::optional<Obstacle> press(const LayerDiscretisation& mesh, int level) override {
     level_ = level;
     pressed_.model.reset();
     // The last trial mesh, too, goes before the next one is made: a layer takes most of the memory.
     if (!shares_meshes_ && is_kept_level()) meshes_.models[place()].reset();
     std::shared_ptr<const LayerModel> model;
-    if (shares_meshes_)
+    if (shares_meshes_) {
       model = meshes_.models[place()];
-    else
-      model = make_layer(mesh, task_.pressing, rubs(mesh));
+    } else {
+      auto made = make_layer(mesh, task_.pressing, rubs(mesh));
+      if (!made) return made.reason();
+      model = *std::move(made);
+    }
     if (keeps_meshes_ && is_kept_level()) meshes_.models[place()] = model;
-    pressed_ = press_on(std::move(model), task_.pressing);
-    check_sensible(pressed_, task_);
+    Outcome<Pressed, FoldedLayer> pressed = press_on(std::move(model), task_.pressing);
+    if (!pressed) return pressed.reason();
+    pressed_ = *std::move(pressed);
+    return check_sensible(pressed_, task_);
   }
 
   RoughSize size() const override {
@@ -116,27 +128,31 @@ class LinearContact : public ContactPhysics {
             pressed_.model->unknowns(), formatted(", iterations %d", pressed_.contact.iterations)};
   }
 
-  void refuse_end_beside() const override {
-    fem::refuse_end_beside(pressed_.model->nodes(), pressed_.contact.force, task_.pressing);
+  std::optional<FoldedLayer> end_beside() const override {
+    return fem::end_beside(pressed_.model->nodes(), pressed_.contact.force, task_.pressing);
   }
 
   PressOther press_other() override {
-    return [](const ContactTask& task, const LayerDiscretisation& mesh) {
-      auto other = std::make_unique<LinearContact>(task, /*keeps_meshes=*/false);
-      other->press(mesh, no_level);
-      return other;
-    };
+    return
+        [](const ContactTask& task,
+           const LayerDiscretisation& mesh) -> Outcome<std::unique_ptr<ContactPhysics>, Obstacle> {
+          auto other = std::make_unique<LinearContact>(task, /*keeps_meshes=*/false);
+          if (std::optional<Obstacle> obstacle = other->press(mesh, no_level)) return *obstacle;
+          return std::unique_ptr<ContactPhysics>(std::move(other));
+        };
   }
 
   const LayerDiscretisation& discretisation() const override {
     return pressed_.model->discretisation();
   }
 
-  Measurement measure() override {
+  Outcome<Measurement, Unmeasured> measure() override {
     const Problem& problem = task_.problem;
     const double h = task_.pressing.thickness_m, E = problem.contact.layer.youngs_modulus_Pa;
     check_covered();
-    shape_ = measure_shape(pressed_, task_.pressing);
+    Outcome<ContactShape, Unmeasured> shape = measure_shape(pressed_, task_.pressing);
+    if (!shape) return shape.reason();
+    shape_ = *std::move(shape);
     Measurement measurement;
     measurement.block_a = shape_.block_a;
     measurement.block_b = shape_.block_b;
@@ -297,50 +313,50 @@ LayerIdentity identity_of(const ContactTask& task) {
 }
 
 /// Whether meshes of an earlier contact of the run suit this one.
-bool is_suitable(const MeshPair& meshes, const ContactTask& task) {
-  const Pressed pressed = press_on(meshes.models.front(), task.pressing);
+/// @param pressed  this contact on the coarse one
+bool is_suitable(const Pressed& pressed, const MeshPair& meshes, const ContactTask& task) {
   if (pressed.reaches_rim) return false;
-  ContactShape shape;
-  try {
-    shape = measure_shape(pressed, task.pressing);
-  } catch (const ConvergenceError&) {
-    return false;  // far too few cells
-  }
+  const Outcome<ContactShape, Unmeasured> shape = measure_shape(pressed, task.pressing);
+  if (!shape) return false;  // far too few cells
   LayerDiscretisation own;
-  own.a = shape.block_a;
-  own.b = shape.block_b;
+  own.a = shape->block_a;
+  own.b = shape->block_b;
   choose_elements(own, task.problem.level - 1);
-  const double cells = oversize(meshes.made_for.front(), shape) * own.elements_per_semi_axis;
+  const double cells = oversize(meshes.made_for.front(), *shape) * own.elements_per_semi_axis;
   if (cells > largest_cells * pressed.model->discretisation().elements_per_semi_axis) return false;
   // Friction is singular at the contact's edge: stuck tractions want it on cell edges.
-  return !task.problem.friction.any() || is_same_size(meshes.made_for.front(), shape);
+  return !task.problem.friction.any() || is_same_size(meshes.made_for.front(), *shape);
 }
 
-std::optional<Result> solve_on_shared_meshes(const ContactTask& task, ModelCache& models) {
+Outcome<Result, Unsolved> solve_on_shared_meshes(const ContactTask& task, ModelCache& models) {
   const LayerIdentity identity = identity_of(task);
   for (const MeshPair& meshes : models.of(identity)) {
-    if (!is_suitable(meshes, task)) continue;
+    const Outcome<Pressed, FoldedLayer> pressed = press_on(meshes.models.front(), task.pressing);
+    if (!pressed) return Unsolved(pressed.reason());
+    if (!is_suitable(*pressed, meshes, task)) continue;
     LinearContact contact(task, /*keeps_meshes=*/true, meshes);
-    std::optional<Result> result = solve_on_levels(contact, task);
+    Outcome<Result, Unsolved> result = solve_on_levels(contact, task);
     if (result) models.keep(identity, contact.meshes());
     return result;
   }
-  return std::nullopt;
+  return Unsolved(MeshesDoNotServe{});
 }
 
-Result solve_on_own_meshes(const ContactTask& task, ModelCache& models) {
+Outcome<Result, Unsolved> solve_on_own_meshes(const ContactTask& task, ModelCache& models) {
   const bool keeps_meshes = models.capacity() > 0;
   LinearContact contact(task, keeps_meshes);
-  Result result = solve_on_levels(contact, task).value();
-  if (keeps_meshes && !result.interrupted) models.keep(identity_of(task), contact.meshes());
+  Outcome<Result, Unsolved> result = solve_on_levels(contact, task);
+  if (result && keeps_meshes && !result->interrupted)
+    models.keep(identity_of(task), contact.meshes());
   return result;
 }
 
 }  // namespace
 
-Result solve_linear(const ContactTask& task, ModelCache& models) {
+Outcome<Result, Unsolved> solve_linear(const ContactTask& task, ModelCache& models) {
   try {
-    if (std::optional<Result> result = solve_on_shared_meshes(task, models)) return *result;
+    Outcome<Result, Unsolved> result = solve_on_shared_meshes(task, models);
+    if (result || !std::holds_alternative<MeshesDoNotServe>(result.reason())) return result;
     return solve_on_own_meshes(task, models);
   } catch (const NotEnoughMemory&) {
     if (models.empty()) throw;

@@ -122,7 +122,7 @@ struct HertzGrid {
   }
 
   std::vector<Eigen::Matrix2Xd> outlines() const {
-    return touching_outlines({nodes, faces, position, pressure, clearance, 1, planes});
+    return *touching_outlines({nodes, faces, position, pressure, clearance, 1, planes});
   }
   OutlineShape shape() const { return shape_of(outlines()); }
 };

@@ -171,7 +171,7 @@ TEST(SuperposedMotion, GoesFromStickToTheTorqueOfItsPressure) {
     EXPECT_EQ(slip, 1);
     // All forces along the circles: the arm that is measured on the deformed surface.
     const double full =
-        kFriction * pressing.equilibrium().load * finite::measure(pressing, 1).torque_arm;
+        kFriction * pressing.equilibrium().load * finite::measure(pressing, 1)->torque_arm;
     // The mesh is no body of revolution: of the surface's motion some hundredths go sideways, and
     // of the slip a twentieth of that at the last angles; its square is missing.
     EXPECT_NEAR(torque / full, 1, 1e-6);
@@ -189,7 +189,7 @@ struct SmallContact {
     linear.sphere = std::numeric_limits<double>::infinity();
     linear.approach = approach;
     linear.poisson_ratio = poisson_ratio;
-    pressed = press_on(make_layer(mesh, linear), linear);
+    pressed = *press_on(*make_layer(mesh, linear), linear);
     // About the undeformed state this energy has the very element of linear elasticity; of the
     // other one the volumetric strain that the pressures do not resolve is softer.
     MaterialChoice choice;
@@ -344,7 +344,7 @@ struct SmallContactWithoutSymmetry {
     linear.approach = approach;
     linear.poisson_ratio = 0.45;
     linear.bent = shape_fingertip(linear.fingertip, 1);
-    pressed = press_on(make_layer(mesh, linear), linear);
+    pressed = *press_on(*make_layer(mesh, linear), linear);
     MaterialChoice choice;
     choice.volumetric = VolumetricLaw::logarithmic;
     pressing = std::make_unique<FinitePressing>(

@@ -43,7 +43,7 @@ Problem circular_problem(const CircularLayer& layer, Expected& expected) {
 }
 
 /// Asserts that the true error lies inside the stated one, and prints both: this is the accuracy
-/// table of fem/README.md.
+/// table of docs/measurements/finite_elements.md.
 void expect_inside(double value, double truth, double stated, const char* what) {
   std::printf("  %-8s error %+8.4f %%   stated %7.4f %%\n", what, 100 * (value / truth - 1),
               100 * stated);

@@ -306,9 +306,9 @@ TEST(Sublayers, AreRegionsOfAMeshFromOutsideAtFiniteStrain) {
   compare(outside.equilibrium().load, coarse.equilibrium().load, fine.equilibrium().load, "load");
   compare(outside.equilibrium().energy, coarse.equilibrium().energy, fine.equilibrium().energy,
           "energy");
-  const finite::DeformedContact found = measure(outside, 1), expected = measure(fine, 1);
+  const finite::DeformedContact found = *measure(outside, 1), expected = *measure(fine, 1);
   EXPECT_NEAR(found.torque_arm / expected.torque_arm, 1,
-              2 * std::abs(measure(coarse, 1).torque_arm / expected.torque_arm - 1) + 1e-3);
+              2 * std::abs(measure(coarse, 1)->torque_arm / expected.torque_arm - 1) + 1e-3);
   // As stated for contacts whose area is that of touching nodes: 0.2/n.
   EXPECT_NEAR(found.area / expected.area, 1, 0.2 / 3);
 }
