@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <limits>
 
 #include "fem/problem/result.h"
@@ -12,8 +13,18 @@
 ///   |coarse - fine| / |fine| / (r^q - 1) + constants,
 /// r the ratio of their elements per semi-axis, q a cautious order of convergence (Richardson
 /// extrapolation of the finer answer), and the constants what both levels miss alike. All constants
-/// stand in the tables below; fem/README.md says what they were measured against.
+/// stand in the tables below; docs/measurements/finite_elements.md says what they were measured
+/// against.
 namespace softfinger::fem {
+
+/// All quantities that have an error.
+constexpr std::array<double RelativeError::*, 7> relative_errors{&RelativeError::a,
+                                                                 &RelativeError::b,
+                                                                 &RelativeError::area,
+                                                                 &RelativeError::indentation,
+                                                                 &RelativeError::peak_pressure,
+                                                                 &RelativeError::max_torque,
+                                                                 &RelativeError::load};
 
 /// The error of one kind of quantity.
 struct ErrorConstants {

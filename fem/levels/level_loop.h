@@ -1,26 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <array>
-#include <variant>
-
-#include "fem/levels/contact_physics.h"
+#include "fem/levels/unsolved.h"
 
 namespace softfinger::fem {
-
-/// The pressure's centre lies beside where coordinates begin, about which friction turns: the
-/// contact has to be solved again in coordinates that begin there.
-struct OffCentre {
-  Eigen::Vector2d centre;        ///< of the pressure, in h
-  std::array<double, 2> size_m;  ///< semi-axes of the contact
-};
-
-/// The meshes that the physics shares with an earlier contact are too small or too coarse for this
-/// one.
-struct MeshesDoNotServe {};
-
-/// Why a contact has no answer yet.
-using Unsolved = std::variant<OffCentre, FoldedLayer, MeshesDoNotServe>;
 
 /// Solves a contact, whatever its physics, on two meshes that tell its error:
 ///   1. trial meshes, each pressed and made anew, until mesh and contact agree in size;
