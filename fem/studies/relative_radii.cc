@@ -2,7 +2,7 @@
 // step of the method of Ciocarlie et al. (2007), eq. (8). The same relative radii are realised as a
 // flat layer under a curved object and as a curved finger under a flat object, pressed with the
 // same load. A real finger's surface is replaced by its quadric as well. Prints the table of
-// fem/README.md.
+// docs/measurements/finite_elements.md.
 
 #include <fmt/core.h>
 
