@@ -51,12 +51,12 @@ struct CholeskyFactor::Implementation {
   void for_each_trailing_column(const Visit& visit) const;
   template <class Value, class Visit>
   void for_each_trailing_column_of(const Value* values, const Visit& visit) const;
-  /// That block, lower triangle.
+  /// The trailing block of the factor, lower triangle.
   Eigen::MatrixXd trailing_factor() const;
   Eigen::MatrixXd inverse_of_trailing(Eigen::MatrixXd block) const;
   /// A symmetric matrix of which the lower triangle is given, from the order of elimination.
   Eigen::MatrixXd in_order_of_last(const Eigen::MatrixXd& lower) const;
-  /// Of each of `last`, in the order of elimination.
+  /// The place of each of `last` in the order of elimination.
   std::vector<int> place_of_last() const;
 };
 

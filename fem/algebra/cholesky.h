@@ -33,9 +33,9 @@ SparseSymmetricMatrix quotient_graph(const SparseSymmetricMatrix& matrix,
 /// @throws ConvergenceError when memory runs out
 std::vector<int> nested_dissection(const SparseSymmetricMatrix& matrix);
 
-/// In which a factor is kept and applied. A step of Newton's method whose residual is exact needs
-/// no more than single precision, at half of the time and memory. The relative error of such a
-/// solution is of the order of 6e-8 times the matrix's condition number.
+/// The precision in which a factor is kept and applied. A step of Newton's method whose residual is
+/// exact needs no more than single precision, at half of the time and memory. The relative error of
+/// such a solution is of the order of 6e-8 times the matrix's condition number.
 enum class Precision { full, single };
 
 /// Supernodal Cholesky factor whose last unknowns are chosen, so that its trailing block is the
@@ -49,7 +49,8 @@ class CholeskyFactor {
   /// ConvergenceError when the matrix is not positive definite.
   CholeskyFactor(const SparseSymmetricMatrix& matrix, const std::vector<int>& dissection,
                  const std::vector<int>& last, Precision precision = Precision::full);
-  /// Its analysis alone, of which the memory is told: of no use before `factorise`.
+  /// Symbolic analysis only; its predicted memory is checked. The factor is of no use before
+  /// `factorise`.
   /// @param matrix  of which only the graph counts
   /// @throws NotEnoughMemory
   static std::unique_ptr<CholeskyFactor> analysed(const SparseSymmetricMatrix& matrix,
@@ -58,7 +59,7 @@ class CholeskyFactor {
                                                   Precision precision = Precision::full);
   ~CholeskyFactor();
 
-  /// Of another matrix with the same graph, in place. Its analysis is kept.
+  /// Factorises another matrix with the same graph, in place. The analysis is kept.
   /// @throws ConvergenceError as the constructor; the factor is then of no use but for this
   /// function
   void factorise(const SparseSymmetricMatrix& matrix);
@@ -69,7 +70,7 @@ class CholeskyFactor {
   /// Inverse of the Schur complement on `last`, in the order of `last`: the displacements of these
   /// unknowns per unit force on one of them. Dense, symmetric.
   Eigen::MatrixXd compliance_of_last() const&;
-  /// The same, for which the factor's memory is given back: nothing else may be asked of it then.
+  /// Computes the same and gives the factor's memory back: nothing else may be asked of it then.
   Eigen::MatrixXd compliance_of_last() &&;
 
   /// The Schur complement on `last` itself, in the order of `last`: forces on these unknowns per

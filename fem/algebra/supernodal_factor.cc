@@ -103,7 +103,7 @@ struct SupernodalFactor<Value>::Update {
   int descendant, from, to;
 };
 
-/// What a thread needs for a supernode, kept for the next one.
+/// A thread's memory for one supernode, kept for the next one.
 template <class Value>
 struct SupernodalFactor<Value>::Workspace {
   std::vector<int> place;  ///< of the matrix's rows among the supernode's own ones
@@ -150,7 +150,7 @@ SupernodalFactor<Value>::SupernodalFactor(const cholmod_factor& analysis)
   }
 }
 
-/// In the elimination tree; `count_` of a root.
+/// The parent in the elimination tree; `count_` for a root.
 template <class Value>
 int SupernodalFactor<Value>::parent(int node) const {
   const int columns = column_count(node);
@@ -300,7 +300,7 @@ void SupernodalFactor<Value>::subtract(const Update& update, int node, int begin
   }
 }
 
-/// Of a supernode from which all is subtracted.
+/// Factorises the columns of a supernode from which all is subtracted.
 /// @returns how many of its columns are positive definite
 template <class Value>
 int SupernodalFactor<Value>::factorise_columns(int node) {

@@ -10,7 +10,8 @@
 /// that may run at a time share no sum. Beside other processes one thread is best.
 namespace softfinger::fem {
 
-/// That of the environment variable DEAL_II_NUM_THREADS, else that of the processors.
+/// The number of threads: that of the environment variable DEAL_II_NUM_THREADS, else that of the
+/// processors.
 int thread_count();
 
 /// Another number of threads while it lives. It tells in how many parts work goes on; the
@@ -28,7 +29,7 @@ class ThreadLimit {
 /// @throws what the first one throws, in the order of their numbers; later ones may be left out
 void in_parallel(int count, const std::function<void(int)>& part);
 
-/// The same of two functions.
+/// Calls two functions in the same way.
 void side_by_side(const std::function<void()>& one, const std::function<void()>& other);
 
 /// Calls `compute` with 0 to count - 1 at the same time, and `add` with each after it, one after
@@ -72,9 +73,9 @@ class Pool {
   std::vector<std::unique_ptr<Object>> idle_;
 };
 
-/// To be held while a library works that has one state for the whole process: gmsh has one model,
-/// and it and METIS draw from the C library's random numbers. Two at a time would change each
-/// other's meshes and orders.
+/// This lock is held while a library works that has one state for the whole process: gmsh has one
+/// model, and it and METIS draw from the C library's random numbers. Two at a time would change
+/// each other's meshes and orders.
 std::unique_lock<std::mutex> lock_global_state();
 
 /// CPU time of this thread's work and of the parts of it that other threads have done, from some

@@ -5,8 +5,8 @@
 
 namespace softfinger::fem {
 
-/// Which nodes of a surface touch: a primal-dual active set. The caller solves with the nodes that
-/// are `touching`, and `improve` moves those that pull or penetrate, until none does.
+/// Finds which nodes of a surface touch, by a primal-dual active set. The caller solves with the
+/// nodes that are `touching`, and `improve` moves those that pull or penetrate, until none does.
 class ActiveSet {
  public:
   /// @param gap    n, any origin

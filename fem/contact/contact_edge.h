@@ -23,8 +23,8 @@ struct ContactEdge {
   Eigen::Matrix2Xd outline(Eigen::Index points) const;
 };
 
-/// What closed outlines enclose, and the ellipse of the same area, centre and ratio of second
-/// moments.
+/// The area that closed outlines enclose, and the ellipse of the same area, centre and ratio of
+/// second moments.
 struct OutlineShape {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   double area = 0;

@@ -42,7 +42,7 @@ constexpr Index reported_points = 128;
 /// Polygons that stand for a smooth curve: their area is 2e-5 too small.
 constexpr Index fine_points = 512;
 
-/// Of a smooth curve's fine points.
+/// A smooth curve has more points than a reader needs: some of them are reported.
 Eigen::Matrix2Xd reported(const Eigen::Matrix2Xd& outline) {
   Eigen::Matrix2Xd points(2, reported_points);
   for (Index i = 0; i < reported_points; ++i)

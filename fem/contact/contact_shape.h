@@ -40,13 +40,13 @@ struct NodalContact {
   MirrorPlanes planes;              ///< the nodes are those of one image
   double rough_a = 0, rough_b = 0;  ///< semi-axes along the surface
   Eigen::VectorXd nodal_pressure;   ///< force over the node's area
-  /// Where a point of the surface is seen along the load.
+  /// Takes a point of the surface to the place where it is seen along the load.
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> place;
   Eigen::Matrix2Xd position;                   ///< of each node, seen along the load
   std::function<Eigen::VectorXd()> clearance;  ///< of each node from the object
   double modulus = 1;                          ///< E / (1 - nu²) of the surface's material
   bool regular = true;                         ///< faces are a grid of rectangles
-  /// By how many cells the outline of the nodes lies outside the edge.
+  /// The outline of the nodes lies outside the edge by this many cells.
   double outline_outside = 0;
 };
 

@@ -50,7 +50,7 @@ class TouchingSolver {
     return with_border(solve_vector_by_factor(kept_.factor, displacement(kept_.nodes)),
                        displacement);
   }
-  /// By a displacement of 1.
+  /// The forces that a displacement of 1 causes.
   Eigen::VectorXd force_per_displacement(Index all) const {
     return with_border(kept_.per_displacement, Eigen::VectorXd::Ones(all));
   }

@@ -38,7 +38,8 @@ NormalContact solve_normal_contact(const Eigen::MatrixXd& compliance, const Eige
                                    double load, const NormalContact* start = nullptr,
                                    TouchingFactor* kept = nullptr);
 
-/// The same with the approach given in place of the load: larger than the smallest gap.
+/// Solves the same with the approach given in place of the load. It is larger than the smallest
+/// gap.
 NormalContact solve_normal_contact_at(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gap,
                                       double approach);
 

@@ -48,8 +48,8 @@ struct Pressing {
   /// or none.
   MirrorPlanes planes() const;
 
-  /// From a surface point to the object above it, along the load; `beside_object` where there is
-  /// none.
+  /// The distance from a surface point to the object above it, along the load; `beside_object`
+  /// where there is none.
   double gap(const SurfaceNode& node) const;
 };
 
@@ -74,7 +74,7 @@ struct Pressed {
   int copies() const { return model->planes().images(); }
   /// P / (E h²)
   double load() const { return copies() * contact.force.sum(); }
-  /// Of the pressure, seen along the load.
+  /// The centre of the pressure, seen along the load.
   Eigen::Vector2d centre() const;
   /// int p r dA / P over the contact seen along the load, r the distance from the pressure's
   /// centre: the deformed surface has the object's slope, not the finger's.
@@ -98,7 +98,7 @@ struct Pressed {
 /// @param fits  whether it does with a share
 double share_that_fits(const std::function<bool(double)>& fits);
 
-/// What stands in the way of a contact that reaches the end of a scan's layer.
+/// Describes a contact that reaches the end of a scan's layer.
 /// @param end     touches there, or nearest to it
 /// @param fits    largest share of the load or approach that does not reach it on the same mesh; 0
 ///                where that is less than a thousandth, as on large cells that are cut off beside
@@ -108,8 +108,8 @@ double share_that_fits(const std::function<bool(double)>& fits);
 FoldedLayer end_of_layer(const SurfaceNode& end, const Pressing& pressing,
                          std::optional<double> fits, double around = 0.3);
 
-/// The same where the layer ends within three thicknesses of what touches, as seen from there; none
-/// where it does not.
+/// Describes a contact whose layer ends within three thicknesses of what touches, as seen from
+/// there; none where it does not.
 /// @throws InputError where the finger ends
 std::optional<FoldedLayer> end_beside(const std::vector<SurfaceNode>& nodes,
                                       const Eigen::VectorXd& force, const Pressing& pressing);

@@ -122,7 +122,7 @@ class FaceShares {
   const SurfaceFace* face_ = nullptr;
 };
 
-/// How the edge may change: its semi-axes and the fourth harmonic.
+/// The edge has this many parameters: its semi-axes and the fourth harmonic.
 constexpr Index edge_changes = 3;
 
 /// Changes of rho at the angle t, per unit of each.

@@ -75,7 +75,7 @@ class Tracer {
     }
   }
 
-  /// Where the finger ends the contact does: as if an open node lay at the same place.
+  /// The contact ends where the finger does: as if an open node lay at the same place.
   static ImageNode beyond(ImageNode at) { return {-2 - at.node, at.image}; }
 
   /// The lattice's edge that an outline crosses: from a touching node to an open one.

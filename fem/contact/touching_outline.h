@@ -19,8 +19,8 @@ struct TouchingState {
   const Eigen::VectorXd& clearance;  ///< of each node from the object, 0 where it touches
   double modulus = 1;                ///< E / (1 - nu²) of the surface's material
   MirrorPlanes planes;               ///< the nodes are those of one image
-  /// Of the nodes, counter-clockwise, in place of the faces where these do not fit together: on a
-  /// mesh from outside nodes may hang.
+  /// Triangles of the nodes, counter-clockwise. They replace the faces where these do not fit
+  /// together: on a mesh from outside nodes may hang.
   std::vector<std::array<int, 3>> triangles = {};
 };
 

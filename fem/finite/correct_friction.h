@@ -16,11 +16,11 @@ namespace softfinger::fem::finite {
 struct FrictionMesh {
   FinitePressing* pressed;  ///< never null
   FrictionBound bound;
-  /// Its `superposed_stiffness`; empty: it is found.
+  /// The mesh's `superposed_stiffness`; empty: it is found.
   Eigen::MatrixXd tangent = {};
 };
 
-/// What superposed motions neglect of friction, by solving its states on the deformed layer.
+/// Finds what superposed motions neglect of friction, by solving its states on the deformed layer.
 struct FrictionCorrecting {
   FrictionMesh mesh;
   /// One with fewer elements per semi-axis, where there is one. It tells how much of what is

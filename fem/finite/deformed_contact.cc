@@ -58,12 +58,12 @@ class DeformedSurface : public SurfaceDeformation {
   std::vector<std::array<Eigen::Vector3d, 9>> positions_;
 };
 
-/// By how many cells the outline of the nodes lies outside the edge. How nodes beside the edge give
-/// way depends on what the elements project on linear functions. The logarithmic neo-Hookean law
-/// has lambda there, as linear elasticity (pressing.cc); all others have the whole bulk modulus:
-/// 0.05 cells, +-0.01, on 12 turned ellipses (nu 0.3 to 0.46, d/h 0.03 to 0.31, level 2) against
-/// fits of the same contact's quarter on level 3; 0.037, +-0.007, on three round ones (nu 0.3 and
-/// 0.49, d/h 0.2 and 0.4) against an axisymmetric solution.
+/// The outline of the nodes lies outside the edge by this many cells. How nodes beside the edge
+/// give way depends on what the elements project on linear functions. The logarithmic neo-Hookean
+/// law has lambda there, as linear elasticity (pressing.cc); all others have the whole bulk
+/// modulus: 0.05 cells, +-0.01, on 12 turned ellipses (nu 0.3 to 0.46, d/h 0.03 to 0.31, level 2)
+/// against fits of the same contact's quarter on level 3; 0.037, +-0.007, on three round ones (nu
+/// 0.3 and 0.49, d/h 0.2 and 0.4) against an axisymmetric solution.
 double outline_outside(const MaterialChoice& material) {
   const bool as_in_linear_elasticity = material.name == MaterialName::neo_hookean &&
                                        material.volumetric == VolumetricLaw::logarithmic;

@@ -19,9 +19,9 @@
 namespace softfinger::fem::finite {
 namespace {
 
-/// From here on a contact wraps around the object instead of being pressed on it.
+/// A contact that reaches a steeper slope wraps around the object instead of being pressed on it.
 constexpr double steep_rad = M_PI / 4;
-/// Where it stops beyond this slope, the finger's surface leaves the object: finer cells go no
+/// If the load stops beyond this slope, the finger's surface leaves the object: finer cells go no
 /// farther.
 constexpr double wrapped_rad = 80 * M_PI / 180;
 
@@ -224,7 +224,8 @@ class FiniteContact : public ContactPhysics {
     return nullptr;
   }
 
-  /// Where the contact reaches the end of the layer, it presses less: how much would fit.
+  /// Tells whether the contact reaches the end of the layer. If it does, less is pressed, to find
+  /// how much would fit.
   /// @throws InputError where the finger ends
   std::optional<FoldedLayer> reached_end() {
     const SurfaceNode* const end = touched_end(*pressing_);
@@ -279,7 +280,7 @@ class FiniteContact : public ContactPhysics {
 
   FrictionBound bound() const { return bound(*pressing_); }
 
-  /// Per node of the layer.
+  /// The bound of friction on each node of the layer.
   FrictionBound bound(const FinitePressing& pressing) const {
     if (!law_.has_shear_strength()) return law_.friction_coefficient;
     const FiniteLayer& layer = pressing.layer();
@@ -415,8 +416,8 @@ class FiniteContact : public ContactPhysics {
     return result;
   }
 
-  /// The same contact on another mesh of the whole layer. Its object is its own: one keeps what it
-  /// has found of its surface, and friction on two meshes may be solved at a time.
+  /// Presses the same contact on another mesh, of the whole layer. Its object is its own: an object
+  /// keeps what it has found of its surface, and friction on two meshes may be solved at a time.
   std::unique_ptr<FinitePressing> press_whole(std::shared_ptr<FiniteLayer> layer) {
     auto whole = std::make_unique<FinitePressing>(std::move(layer), rigid_object(task_.pressing));
     whole->continue_from(*pressing_);
@@ -424,7 +425,7 @@ class FiniteContact : public ContactPhysics {
     return whole;
   }
 
-  /// On a mesh that is one level coarser, where there is one.
+  /// Presses the contact on a mesh that is one level coarser; null where there is none.
   std::unique_ptr<FinitePressing> press_coarser() {
     if (level_ == 0 || task_.pressing.mesh) return nullptr;
     const LayerDiscretisation& own = discretisation();

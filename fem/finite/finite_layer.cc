@@ -215,7 +215,7 @@ std::vector<double> FiniteLayer::Implementation::of_elements(const dealii::Vecto
 
 namespace {
 
-/// Of volume ratios, which are 1 where nothing is strained.
+/// The smallest of volume ratios, which are 1 where nothing is strained.
 double smallest_of(const std::vector<double>& ratios) {
   double smallest = 1;
   for (const double ratio : ratios) smallest = std::min(smallest, ratio);
@@ -451,9 +451,9 @@ void FiniteLayer::Implementation::update_residual(const std::vector<NodeFrame>& 
   set_residual(residual_of_dofs);
 }
 
-/// Of the free unknowns, those of surface nodes along their frames, with what hangs on them. It
-/// vanishes in equilibrium: a step in single precision is off by a share of what is left, not by
-/// one of the pressure.
+/// The residual of the free unknowns, those of surface nodes along their frames, with what hangs on
+/// them. It vanishes in equilibrium: a step in single precision is off by a share of what is left,
+/// not by one of the pressure.
 void FiniteLayer::Implementation::set_residual(dealii::Vector<double>& of_dofs) {
   constraints.condense(of_dofs);
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -650,7 +650,7 @@ class CellFinder {
     }
   }
 
-  /// Of the box that the cell is in the block.
+  /// The side of the box that the cell is in the block.
   static dealii::Tensor<1, dim> side_of(const Cell& cell, unsigned int direction) {
     return cell->vertex(1u << direction) - cell->vertex(0);
   }

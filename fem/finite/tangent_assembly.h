@@ -24,7 +24,7 @@ class TangentAssembly {
                   Unknowns unknowns);
 
   const Unknowns& unknowns() const { return unknowns_; }
-  /// What was added up since `start`. The caller may change it.
+  /// The sum of the elements' tangents since `start`. The caller may change it.
   SparseSymmetricMatrix& matrix() { return matrix_; }
 
   /// Begins anew. @param axes  frames of the surface nodes

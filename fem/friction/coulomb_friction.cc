@@ -126,8 +126,8 @@ class FrictionProblem {
   }
 
  private:
-  /// In which the forces may change: any one where a point sticks, along the rim of its disc where
-  /// it slips.
+  /// A direction in which the forces may change: any one where a point sticks, along the rim of its
+  /// disc where it slips.
   struct Direction {
     Index row;  ///< first of the point's two
     Eigen::Vector2d along;
@@ -149,7 +149,7 @@ class FrictionProblem {
     return directions;
   }
 
-  /// Of the energy along the directions, lower triangle.
+  /// The second derivatives of the energy along the directions, lower triangle.
   Eigen::MatrixXf hessian(const std::vector<Direction>& directions) const {
     const auto size = static_cast<Index>(directions.size());
     Eigen::MatrixXf result(size, size);

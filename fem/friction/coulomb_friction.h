@@ -12,10 +12,11 @@ struct FrictionSolution {
       0;  ///< worst violation of stick or of the slip's direction, over the largest target
 };
 
-/// Of `FrictionSolution::residual`, where the limits are those that count.
+/// The largest `FrictionSolution::residual` that is accepted, where the limits are those that
+/// count.
 constexpr double friction_tolerance = 1e-9;
 
-/// What problems with one compliance share. Of all points, those with a limit are far fewer: their
+/// Problems with one compliance share this. Of all points, those with a limit are far fewer: their
 /// compliance is copied, so that the others' is not read in each iteration. Newton's factor is that
 /// of one state of stick and slip: while the same points stick and slip, and their limits change
 /// little, it still leads to the solution, at a tenth of the cost of another factor.

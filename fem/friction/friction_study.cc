@@ -40,7 +40,7 @@ FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& 
   return {surface, gap, contact.load, FrictionBound(contact.law, area)};
 }
 
-/// What touches in a state, and the relative radius of its outermost node.
+/// Sets the nodes that touch in a state, and the relative radius of the outermost one.
 void find_touching(const PressedContact& contact, const SurfaceCompliance& surface,
                    const FrictionalContact& state, FrictionState& result) {
   const double allowed =

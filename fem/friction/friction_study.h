@@ -15,7 +15,7 @@
 /// the model.
 namespace softfinger::fem {
 
-/// Where friction starts from.
+/// The pressed contact that friction starts from.
 struct PressedContact {
   const LayerModel& model;
   Eigen::VectorXd gap;    ///< per node of the model

@@ -18,11 +18,12 @@ enum class Invariance {
 struct QuarterCompliances {
   const LayerModel& model;
   std::vector<int> nodes;  ///< of the model, ascending
-  /// Of a quarter: even, odd in x and y; then, unless only a half turn is needed, odd in x, odd in
-  /// y. Of a half: even and odd about its plane. Of a whole layer there is one, of all fields.
+  /// The compliances of all parities. A quarter has: even, odd in x and y; then, unless only a half
+  /// turn is needed, odd in x, odd in y. Of a half: even and odd about its plane. Of a whole layer
+  /// there is one, of all fields.
   std::vector<Eigen::MatrixXd> by_parity;
 
-  /// That of a turn about the normal: odd about each plane.
+  /// The compliance of a turn about the normal, which is odd about each plane.
   const Eigen::MatrixXd& of_turn() const { return by_parity[model.planes().any() ? 1 : 0]; }
 };
 
@@ -36,7 +37,7 @@ std::optional<QuarterCompliances> part_of(const QuarterCompliances& kept,
 QuarterCompliances quarter_compliances(const LayerModel& model, std::vector<int> nodes,
                                        Invariance fewest);
 
-/// Which of the blocks to compose: the tangential one is the largest.
+/// Selects the blocks to compose: the tangential one is the largest.
 enum class Blocks { all, without_tangential };
 
 /// The surface's compliance among the points of a whole contact, composed of the problems of what

@@ -8,15 +8,15 @@
 
 namespace softfinger::fem {
 
-/// Where a contact touched on a coarse mesh, in all of its states: a finer mesh's nodes that may
-/// touch lie near. Of a contact that is no ellipse these are far fewer than those of the ellipse
-/// around it.
+/// The places where a contact touched on a coarse mesh, in all of its states: a finer mesh's nodes
+/// that may touch lie near. For a contact that is no ellipse these are far fewer than those of the
+/// ellipse around it.
 struct TouchedRegion {
   std::vector<Eigen::Vector2d> places;  ///< of nodes, in the block, over the semi-axes
   double a = 0, b = 0;                  ///< semi-axes
   double spacing = 0;                   ///< of the coarse nodes, in the same way
 
-  /// How far a place of the block is from what touched. The edge is known to the coarse nodes'
+  /// The distance of a place of the block from what touched. The edge is known to the coarse nodes'
   /// distance.
   double distance(double x, double y) const {
     double nearest = std::numeric_limits<double>::infinity();

@@ -127,7 +127,7 @@ class SurfaceBuilder {
     return result;
   }
 
-  /// Its weight and normal are still to be summed over its faces.
+  /// Makes a node whose weight and normal are still to be summed over its faces.
   SurfaceNode meshed_node(global_dof_index dof, bool at_end) const {
     SurfaceNode result{support_[dof][0], support_[dof][1]};
     result.position = place_of(dof);
@@ -196,8 +196,8 @@ class SurfaceBuilder {
     add(made);
   }
 
-  /// By their numbers, which the component along the load has: a node from which others hang may be
-  /// on none of the faces.
+  /// Finds the dofs of the nodes by their numbers, which the component along the load has: a node
+  /// from which others hang may be on none of the faces.
   void find_dofs_of_nodes() {
     std::vector<int> number(space_.dofs.n_dofs(), -1);
     for (global_dof_index i = 0; i < space_.dofs.n_dofs(); ++i)

@@ -8,11 +8,11 @@
 namespace softfinger::fem {
 namespace {
 
-/// Of the sampling of edges, in thicknesses.
+/// Edges are sampled in these steps, in thicknesses.
 constexpr double step_of_search = 0.2, step_of_table = 0.1;
 /// Factors on the length of cells between the first touch and an edge.
 constexpr double most_stretched = 1.6, least_stretched = 0.55;
-/// Of an edge that is worth following, in thicknesses.
+/// An edge is worth following from this length on, in thicknesses.
 constexpr double shortest = 1;
 /// Largest change of an edge's distance along it.
 constexpr double most_oblique = 1;
@@ -29,7 +29,8 @@ EdgeShape::EdgeShape(std::shared_ptr<const LayerShape> shape, const std::vector<
   }
 }
 
-/// How far from the axis the edge is, along x or y at a place on the other axis; none within reach.
+/// The distance of the edge from the axis, along x or y at a place on the other axis; none within
+/// reach.
 std::optional<double> EdgeShape::edge_distance(bool along_x, double sign, double along,
                                                double reach) const {
   const auto at = [&](double distance) {
@@ -184,8 +185,8 @@ LayerShape::Cover EdgeShape::covers(double low_x, double high_x, double low_y,
   return worst;
 }
 
-/// Where the block follows an edge, it goes up to it; elsewhere as far as the shape is whole. The
-/// shape goes on a little beyond edges that the block does not follow.
+/// The block goes up to an edge that it follows; elsewhere it goes as far as the shape is whole.
+/// The shape goes on a little beyond edges that the block does not follow.
 LayerShape::Cover EdgeShape::cover_at(double x, double y) const {
   const Point at = place(x, y);
   const Side &side_x = along_x_[x < 0 ? 0 : 1], &side_y = along_y_[y < 0 ? 0 : 1];

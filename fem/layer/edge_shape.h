@@ -11,8 +11,8 @@
 
 namespace softfinger::fem {
 
-/// So far from the finger's sharp edge, in thicknesses, a line of cells still lies on it: the edge
-/// is sampled at a few places.
+/// A line of cells at most this far from the finger's sharp edge, in thicknesses, counts as lying
+/// on it: the edge is sampled at a few places.
 constexpr double fitted_to_edge = 0.02;
 
 /// A finger's shape over a block whose lines follow the finger's sharp edges: the block is
@@ -30,7 +30,7 @@ class EdgeShape : public LayerShape {
   EdgeShape(std::shared_ptr<const LayerShape> shape, const std::vector<double>& lines_x,
             const std::vector<double>& lines_y, const Eigen::Vector2d& contact);
 
-  /// Where a point of the block lies in the given shape's own block.
+  /// Takes a point of the block to its place in the given shape's own block.
   Eigen::Vector2d place(double x, double y) const;
 
   Eigen::Vector3d position(double x, double y, double z) const override;
@@ -42,19 +42,19 @@ class EdgeShape : public LayerShape {
   double beyond_edge(double x, double y) const override;
 
  private:
-  /// Beside one side of the block.
+  /// The edge beside one side of the block.
   struct Side {
     double from = 0, line = 0;   ///< between which it is stretched; the edge is where `line` is
     double low = 0, step = 1;    ///< of the table
     std::vector<double> factor;  ///< of the stretch; empty: 1
     double high() const { return low + step * static_cast<double>(factor.size() - 1); }
-    /// Of its nearest place from the axis through the first touch.
+    /// The distance of the edge's nearest place from the axis through the first touch.
     double distance_along() const { return std::max({0.0, low, -high()}); }
     bool follows(double along) const {
       constexpr double round_off = 1e-9;
       return !factor.empty() && along >= low - round_off && along <= high() + round_off;
     }
-    /// Where a distance from the axis goes.
+    /// The distance from the axis that the stretch makes of another one.
     double stretched(double distance, double along) const;
   };
   using Point = Eigen::Vector2d;

@@ -56,7 +56,7 @@ std::optional<meshes::Erosion> erosion_of(CoreWays ways) {
   }
 }
 
-/// In coordinates in space that begin elsewhere. Those of the block stay.
+/// A shape in coordinates in space that begin elsewhere. Those of the block stay.
 class MovedShape : public LayerShape {
  public:
   MovedShape(std::shared_ptr<const LayerShape> shape, const Eigen::Vector2d& origin)
@@ -144,8 +144,8 @@ class ScanShape : public LayerShape {
   }
 
  private:
-  /// Along the nearest sharp edge, so that rows of cells can end at it; of its four directions, the
-  /// one nearest to the frame's own x.
+  /// The block's x lies along the nearest sharp edge, so that rows of cells can end at it. Of the
+  /// four directions it takes the one nearest to the frame's own x.
   Vector3d x_axis() const {
     const std::optional<Vector3d> edge = surface_->edge_near(first_touch_, farthest_edge * h_);
     if (!edge) return Vector3d::UnitX();

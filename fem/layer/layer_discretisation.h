@@ -6,8 +6,8 @@
 
 namespace softfinger::fem {
 
-/// How a layer is meshed for a contact of semi-axes a along x and b along y, of which a is the
-/// longer one unless the layer is a scan's. Lengths in units of the thickness h.
+/// The mesh of a layer for a contact of semi-axes a along x and b along y, of which a is the longer
+/// one unless the layer is a scan's. Lengths in units of the thickness h.
 struct LayerDiscretisation {
   double a = 1, b = 1;
   int elements_per_semi_axis = 8;  ///< n: finest cells along the shorter one
@@ -20,7 +20,7 @@ struct LayerDiscretisation {
 
   /// Share of the reach below that the refined patch may take: a last cell has to fit beside it.
   static constexpr double usable_reach = 0.98;
-  /// How far the block may go along x and y: the surface may end. Infinite for a flat layer.
+  /// The block may go this far along x and y, as the surface may end. Infinite for a flat layer.
   double reach_x = std::numeric_limits<double>::infinity();
   double reach_y = std::numeric_limits<double>::infinity();
 
@@ -28,7 +28,7 @@ struct LayerDiscretisation {
   int elements_along_a() const;
   int elements_along_b() const;
 
-  /// Of the surface along x and y, for the patch and a cell beside it.
+  /// The reach of the surface along x and y that the patch and a cell beside it need.
   Eigen::Vector2d needed_reach() const;
   bool is_within_reach() const;
 };

@@ -31,7 +31,8 @@ struct LayerModel::Implementation : LayerSpace {
   Unknowns even;                           ///< of the problem that pressing solves
   std::unique_ptr<CholeskyFactor> factor;  ///< none where it is condensed to all displacements
   Eigen::MatrixXd compliance;
-  /// With the displacements of nodes that rub, 3 rows for each; empty where none does.
+  /// The compliance with the displacements of nodes that rub, 3 rows for each; empty where none
+  /// does.
   Eigen::MatrixXd of_rubbing;
   std::vector<int> rubbing_row;  ///< per node, its first of them; -1: none
 
@@ -52,7 +53,7 @@ struct LayerModel::Implementation : LayerSpace {
 
 namespace {
 
-/// In 3 x 3 blocks: the model's z points out of the layer.
+/// Turns the normals of 3 x 3 blocks inwards: the model's z points out of the layer.
 void turn_normals_inwards(Eigen::MatrixXd& blocks) {
   const auto normals = Eigen::seq(2, Eigen::last, 3);
   blocks(normals, Eigen::all) *= -1;
@@ -208,7 +209,7 @@ void LayerModel::Implementation::factorise(const Rubs& rubs) {
   compliance = of_rubbing(normals, normals);
 }
 
-/// Of a parity's problem, analysed with the unknowns of some nodes last.
+/// A parity's problem, analysed with the unknowns of some nodes last.
 struct LayerModel::Implementation::Condensation {
   SparseSymmetricMatrix matrix;
   std::unique_ptr<CholeskyFactor> factor;

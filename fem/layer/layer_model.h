@@ -36,7 +36,7 @@ struct ElasticConstants {
   }
 };
 
-/// Which displacements of the surface nodes a layer is condensed to.
+/// The displacements of the surface nodes that a layer is condensed to.
 enum class Along {
   normals,  ///< one per node, into the layer
   all,      ///< three per node: along its tangents, and into the layer
@@ -83,7 +83,7 @@ class LayerModel {
   /// @param sublayers  of the mesh's regions
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
              const meshes::LayerMesh& mesh, double thickness_m, const Rubs& rubs = none_rubs);
-  /// The same, or the reason why a scan has no layer at the contact.
+  /// Makes a layer as the first constructor does, or tells why a scan has none at the contact.
   static Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> made(
       const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
       std::shared_ptr<const LayerShape> shape, MirrorPlanes planes, const Rubs& rubs = none_rubs);
@@ -107,7 +107,7 @@ class LayerModel {
   /// Rows and columns of components that the parity fixes on the mirror planes are zero. Each call
   /// factorises, unless the model is condensed to all displacements of the nodes.
   Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
-  /// The same for several parities.
+  /// The compliances for several parities.
   std::vector<Eigen::MatrixXd> vector_compliances(const std::vector<Parity>& parities,
                                                   const std::vector<int>& nodes) const;
 

@@ -14,8 +14,8 @@ namespace softfinger::fem {
 class LayerShape {
  public:
   virtual ~LayerShape() = default;
-  /// For another thread: what the copy covers changes nothing here. Null where threads may share
-  /// this one.
+  /// A copy for another thread: what the copy covers changes nothing here. Null where threads may
+  /// share this one.
   virtual std::shared_ptr<const LayerShape> copy() const { return nullptr; }
   /// Position in space of the block's point (x, y, z), -1 <= z <= 0; z = 0 is the surface, z = -1
   /// the rigid core.
@@ -24,14 +24,14 @@ class LayerShape {
   virtual Eigen::Vector3d normal(double x, double y) const = 0;
   /// Surface area per area of the block.
   virtual double area_ratio(double x, double y) const = 0;
-  /// Of the shape alone: x where position(-x, y) is the mirror image of position(x, y), and y
-  /// likewise.
+  /// The mirror planes of the shape alone: x where position(-x, y) is the mirror image of
+  /// position(x, y), and y likewise.
   virtual MirrorPlanes planes() const = 0;
 
   /// Makes sure that the shape is known up to this distance from the contact, where the surface
   /// goes that far.
   virtual void cover(double /*radius*/) const {}
-  /// What there is of the layer under a rectangle of the block.
+  /// The part of the layer that there is under a rectangle of the block.
   enum class Cover {
     whole,
     cut,  ///< the shape cannot go on, though the finger does
@@ -45,8 +45,8 @@ class LayerShape {
   }
   /// Whether the finger has sharp edges nearby: beyond them it ends.
   virtual bool has_edges() const { return false; }
-  /// How far a point of the surface lies beyond a sharp edge, negative on this side of it. The
-  /// shape goes on a little beyond, so that cells can be fitted to the edge.
+  /// The distance by which a point of the surface lies beyond a sharp edge, negative on this side
+  /// of it. The shape goes on a little beyond, so that cells can be fitted to the edge.
   virtual double beyond_edge(double /*x*/, double /*y*/) const {
     return -std::numeric_limits<double>::infinity();
   }

@@ -46,7 +46,7 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant,
 
 namespace {
 
-/// Between the columns of a block's cells, ascending.
+/// The lines between the columns of a block's cells, ascending.
 std::vector<double> lines_of(const meshes::HexahedralMesh& block, int component) {
   std::vector<double> lines;
   for (const Eigen::Vector3d& vertex : block.vertices) lines.push_back(vertex[component]);
@@ -115,7 +115,7 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh
 
 namespace {
 
-/// The same for all cells of a column, whatever rounding does.
+/// A key that is the same for all cells of a column, whatever rounding does.
 std::pair<long, long> column_at(double x, double y) {
   constexpr double fine = 1e6;
   return {std::lround(fine * x), std::lround(fine * y)};

@@ -81,8 +81,8 @@ struct LayerSpace {
   std::vector<int> surface_node;  ///< per dof; -1 elsewhere
   std::vector<int> dissection;    ///< of all dofs, for every parity; empty before `dissect`
 
-  /// The same constraints for unknowns of surface nodes that are the components along their frames:
-  /// a hanging node may be interpolated from nodes of the contact surface.
+  /// The constraints in terms of surface nodes' components along their frames: a hanging node may
+  /// be interpolated from nodes of the contact surface.
   dealii::AffineConstraints<double> constraints_in(
       const std::vector<Eigen::Matrix3d>& frames) const;
 
@@ -112,7 +112,7 @@ struct LayerSpace {
   std::vector<int> dissection_of(const Unknowns& free) const;
 
  private:
-  /// How much of the block under the contact is left, up to the finger's edges.
+  /// The part of the block under the contact that is left, up to the finger's edges.
   enum class Left { all, part, nothing };
   std::vector<dealii::Point<dim>> support_points() const;
   void bend(const std::vector<dealii::Point<dim>>& support);

@@ -105,7 +105,7 @@ void LayerSpace::copy_entries(const dealii::SparseMatrix<double>& stiffness, con
   }
 }
 
-/// The node of each free unknown, nodes that have one numbered by their first.
+/// The node of each free unknown. Nodes that have one are numbered by their first.
 std::vector<int> LayerSpace::nodes_of(const Unknowns& free) const {
   std::vector<int> number(dofs.n_dofs(), -1), result;
   int count = 0;

@@ -72,7 +72,7 @@ dealii::Point<dim> wanted_sides(const LayerDiscretisation& mesh) {
   return {fine_x, fine_y, depth * std::min(fine_x, fine_y)};
 }
 
-/// How many times an edge is as long as wanted. Sizes that are meant to be equal differ by
+/// The factor by which an edge is longer than wanted. Sizes that are meant to be equal differ by
 /// round-off.
 double oversize(const dealii::Tensor<1, dim>& edge, const dealii::Point<dim>& wanted) {
   constexpr double round_off = 1e-6;
@@ -81,7 +81,8 @@ double oversize(const dealii::Tensor<1, dim>& edge, const dealii::Point<dim>& wa
   return largest / (1 + round_off);
 }
 
-/// Of the edges of a cell or a face. (A skewed cell's box would be larger than any of them.)
+/// The largest factor of the edges of a cell or a face. (A skewed cell's box would be larger than
+/// any of them.)
 template <class Object>
 double largest_oversize(const Object& object, const dealii::Point<dim>& wanted) {
   double largest = 0;
@@ -141,8 +142,8 @@ class DividedMesh {
     find_edges_in_patch();
   }
 
-  /// Of all ways to make the patch's cells small enough, the one with the fewest cells: dividing
-  /// sheets makes long cells shorter, halving makes all sides smaller, and leaves what is far away.
+  /// Takes the way with the fewest cells that makes the patch's cells small enough: dividing sheets
+  /// makes long cells shorter, halving makes all sides smaller, and leaves what is far away.
   void triangulate(dealii::Triangulation<dim>& triangulation) const {
     // Sheets of many more parts only make slivers far away.
     constexpr double most_parts = 16;
@@ -181,7 +182,8 @@ class DividedMesh {
     return result;
   }
 
-  /// Of the cells whose contact faces lie in the patch, by how many times they are too long.
+  /// Finds the edges of the cells whose contact faces lie in the patch, and by what factor they are
+  /// too long.
   void find_edges_in_patch() {
     std::set<int> vertices;
     for (const auto& face : mesh_.contact)

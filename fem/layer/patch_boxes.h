@@ -13,7 +13,8 @@
 #include "fem/layer/dimension.h"
 #include "fem/layer/layer_discretisation.h"
 
-/// Where cells and faces lie against the patch in which contact is possible. Internal to this room.
+/// Boxes around cells and faces, compared with the patch in which contact is possible. Internal to
+/// this room.
 namespace softfinger::fem {
 
 /// Whether a coordinate is that of a plane.
@@ -51,13 +52,13 @@ inline bool is_in_patch(const Box& box, const LayerDiscretisation& discretisatio
   return x * x + y * y < 1;
 }
 
-/// How near to the patch cells are halved, in their longest sides. A contact that is small against
-/// the thickness strains what is around it: with 0.7 its approach was 0.09 % off at s = 0.1, 0.05 %
-/// at 0.2, 0.01 % from 0.5 on, and its torque 0.04 % up to s = 0.5. Larger contacts lose nothing,
-/// and their meshes are half as large.
-/// On scans less is enough: with a third, cells of up to three times their depth are halved in one
-/// layer, not in two, which would double the mesh. Against 1, a fingertip under 0.2 to 5 N changes
-/// by up to 0.15 % in a and the area, where 0.3 and 0.5 % are stated, and 0.04 % in the torque.
+/// Cells are halved that are nearer to the patch than this, in their longest sides. A contact that
+/// is small against the thickness strains what is around it: with 0.7 its approach was 0.09 % off
+/// at s = 0.1, 0.05 % at 0.2, 0.01 % from 0.5 on, and its torque 0.04 % up to s = 0.5. Larger
+/// contacts lose nothing, and their meshes are half as large. On scans less is enough: with a
+/// third, cells of up to three times their depth are halved in one layer, not in two, which would
+/// double the mesh. Against 1, a fingertip under 0.2 to 5 N changes by up to 0.15 % in a and the
+/// area, where 0.3 and 0.5 % are stated, and 0.04 % in the torque.
 inline double fine_surroundings(const LayerDiscretisation& mesh) {
   constexpr double small = 0.75;
   constexpr double on_scan = 1.0 / 3;

@@ -16,7 +16,7 @@ struct SurfaceNode {
   bool on_edge = false;  ///< on the finger's sharp edge, at which its layer ends
 };
 
-/// Of a node, seen along the load.
+/// The area of a node, seen along the load.
 inline double seen_area(const SurfaceNode& node) {
   return node.weight * node.area_ratio * node.normal.z();
 }

@@ -29,7 +29,7 @@ struct ContactTask {
   const StopRequested& stop;
 };
 
-/// How large a contact is on its mesh, in units of h.
+/// The size of a contact on its mesh, in units of h.
 struct RoughSize {
   double a = 0, b = 0;  ///< from second moments: rough but robust
   double approach = 0;
@@ -83,7 +83,7 @@ class ContactPhysics {
   virtual ~ContactPhysics() = default;
 
   virtual const ErrorTable& error_table() const = 0;
-  /// Of a mesh from outside with its cells halved as `press` would.
+  /// The unknowns of a mesh from outside with its cells halved as `press` would.
   virtual long predicted_unknowns(const LayerDiscretisation& mesh) const = 0;
 
   /// The two levels have their meshes already, made for an earlier contact of the run.
@@ -109,14 +109,14 @@ class ContactPhysics {
   /// @throws InputError where the finger ends there
   virtual std::optional<FoldedLayer> end_beside() const = 0;
 
-  /// The same physics for another contact, nearly the same, pressed on a mesh of its own.
+  /// Presses another contact, nearly the same, with the same physics on a mesh of its own.
   /// @throws InputError, ConvergenceError, NotEnoughMemory
   using PressOther = std::function<Outcome<std::unique_ptr<ContactPhysics>, Obstacle>(
       const ContactTask& other, const LayerDiscretisation& mesh)>;
   /// Starts from what is pressed now. Another thread may call it while this contact goes on.
   virtual PressOther press_other() = 0;
 
-  /// Of the mesh pressed last.
+  /// The discretisation of the mesh pressed last.
   virtual const LayerDiscretisation& discretisation() const = 0;
 
   /// @throws ConvergenceError, InputError

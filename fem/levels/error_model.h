@@ -40,8 +40,8 @@ struct ErrorConstants {
   double coarse = 0, coarse_order = 2;
 };
 
-/// Where no smooth pressure fits, the nodes that touch tell the edge: up to a share of a cell, by
-/// how it happens to lie between them.
+/// If no smooth pressure fits, the edge is known from the nodes that touch: up to a share of a
+/// cell, by how it happens to lie between them.
 struct OutlineScatter {
   double axes;    ///< of a and b, in cells
   double radius;  ///< of the radius of a circle of the same area, in cells

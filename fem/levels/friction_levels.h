@@ -10,8 +10,8 @@
 
 namespace softfinger::fem {
 
-/// What a cheaper method leaves out of friction, found on the coarse mesh by solving the same
-/// states without its simplification: differences of wrenches, in the units of the model.
+/// The part of friction that a cheaper method leaves out, found on the coarse mesh by solving the
+/// same states without its simplification: differences of wrenches, in the units of the model.
 struct FrictionCorrection {
   std::vector<FrictionState> twist, limit_surface;
   std::vector<std::vector<FrictionState>> paths;
@@ -29,7 +29,7 @@ struct FrictionOfLevel {
   /// Relative errors by what the method itself neglects: of the twist's torque, of the limit
   /// surface.
   double neglected_of_twist = 0, neglected_of_slide = 0;
-  /// Where it was asked for: what is neglected, of this mesh.
+  /// The part that is neglected on this mesh, where it was asked for.
   std::optional<FrictionCorrection> correction;
 };
 

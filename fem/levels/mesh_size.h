@@ -18,7 +18,7 @@ double rounded(double semi_axis);
 /// Makes the mesh for a contact of these semi-axes, rounded.
 void fit_to(double a, double b, LayerDiscretisation& mesh);
 
-/// How far a contact and the mesh it is on differ in size: the larger |ln| of both ratios.
+/// The difference in size of a contact and the mesh it is on: the larger |ln| of both ratios.
 double misfit(const LayerDiscretisation& mesh, double a, double b);
 
 /// @throws InputError where the finger's surface ends within the patch

@@ -71,7 +71,7 @@ Outcome<RelativeError, std::string> change_by(const Reading& reading, CoreWays w
                        change(&LevelResult::load_N)};
 }
 
-/// Where a layer would fold, less of the change is made: what follows is taken to be in
+/// If a layer would fold, less of the perturbation is made, and the change is taken to be in
 /// proportion.
 std::optional<RelativeError> change_or_less(const Other& other, const ReadingStart& start,
                                             const ContactTask& task, const OrderedProgress& tell) {

@@ -6,8 +6,9 @@
 
 #include "fem/levels/contact_physics.h"
 
-/// What a scan leaves open of a contact. Its triangles and its core are read in other ways, and the
-/// contact is pressed again with each. How far the answers differ is stated as an error.
+/// The error of a contact that its scan leaves open. The scan's triangles and its core are read in
+/// other ways, and the contact is pressed again with each. How far the answers differ is stated as
+/// an error.
 namespace softfinger::fem {
 
 /// The contact that other readings are compared with, and how they are made.
@@ -30,7 +31,8 @@ ReadingStart start_readings(ContactPhysics& physics, const LevelResult& best,
 /// @returns FoldedLayer where no other ways can be pressed
 Outcome<RelativeError, FoldedLayer> core_error(const ReadingStart& start, const ContactTask& task);
 
-/// What the scan's triangles leave open, read in other ways; none where they cannot be pressed.
+/// The error that the scan's triangles leave open, by reading them in other ways; none where these
+/// cannot be pressed.
 ///
 /// At random: where the surface lies. Vertices are moved by what facets leave open. The finger is
 /// held by its own normal, which they change too. Two samples are taken, four where they tell much.

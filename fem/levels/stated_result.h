@@ -7,7 +7,7 @@
 
 namespace softfinger::fem {
 
-/// What two levels have found.
+/// The answers of two levels.
 struct SolvedLevels {
   std::vector<LevelResult> results;       ///< coarse to fine
   std::vector<FrictionOfLevel> friction;  ///< of each; empty without friction
@@ -19,7 +19,7 @@ struct SolvedLevels {
   const LevelResult& fine() const { return results.back(); }
 };
 
-/// What the readings of a scan leave open.
+/// The errors that the readings of a scan leave open.
 struct ScanErrors {
   RelativeError core;                     ///< by a core with a ridge
   std::optional<RelativeError> geometry;  ///< by facets and noise

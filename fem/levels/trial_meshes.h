@@ -4,7 +4,7 @@
 
 namespace softfinger::fem {
 
-/// What pressing trial meshes has found.
+/// The result of pressing trial meshes.
 struct Trial {
   LayerDiscretisation mesh;  ///< made for the contact, for the levels to start from
   int refinement = 1;        ///< of the trial meshes, over the usual one

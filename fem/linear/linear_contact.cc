@@ -45,7 +45,7 @@ double told_load(double load_N) {
   return digit * std::floor(load_N / digit);
 }
 
-/// What linear elasticity cannot press: finite strain can.
+/// Refuses a contact that linear elasticity would press through the layer: finite strain can do it.
 /// @returns what stands in the way of saying how much it can
 /// @throws InputError otherwise
 FoldedLayer refuse_pressed_through(const Pressed& pressed, const ContactTask& task) {

@@ -31,7 +31,7 @@ struct MeshPair {
   std::array<std::shared_ptr<const LayerModel>, 2> models;
   /// Semi-axes, in h, that each of them found for the contact that they were made for.
   std::array<std::array<double, 2>, 2> made_for{};
-  /// For friction: they hold for any modulus and friction coefficient.
+  /// The compliances that friction needs: they hold for any modulus and friction coefficient.
   std::array<KeptCompliances, 2> compliances;
 };
 
@@ -52,7 +52,7 @@ class ModelCache {
   bool empty() const { return entries_.empty(); }
   void clear() { entries_.clear(); }
 
-  /// How often a kept pair served again.
+  /// The number of times that a kept pair served again.
   int hits() const { return hits_; }
 
  private:

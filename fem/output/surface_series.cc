@@ -139,7 +139,8 @@ void write_cells(const std::vector<Quadrilateral>& cells, std::ostream& out) {
   out << "</DataArray>\n</Cells>\n";
 }
 
-/// By hand: deal.II writes fields of its own meshes only, and this one has none.
+/// Writes the file by hand: deal.II writes fields of its own meshes only, and this surface has
+/// none.
 void write_surface(const RubbedSurface& surface, double thickness_m, double youngs_modulus_Pa,
                    std::ostream& out) {
   out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"0.1\" "

@@ -20,8 +20,8 @@ struct Fingertip {
   std::shared_ptr<const TriangleSurface> scan;
   std::shared_ptr<const TriangleSurface> core;  ///< of a scan; null: offset by the thickness
   std::shared_ptr<const meshes::ObjectSurface> object;
-  /// Of a scan's frame: the share of the area over which its quadric was fitted that the contact
-  /// did not ask for. Facets may be too large for a smaller region.
+  /// The share of the area over which the quadric of a scan's frame was fitted that the contact did
+  /// not ask for. Facets may be too large for a smaller region.
   double region_excess = 0;
   bool symmetric_object = false;  ///< about x = 0 and y = 0
   std::string pad_name;           ///< pads of one name are one surface

@@ -2,7 +2,7 @@
 
 namespace softfinger::fem {
 
-/// How a volume change is resisted.
+/// The energy of a volume change.
 enum class VolumetricLaw {
   quadratic,    ///< U = k/2 (J - 1)²
   logarithmic,  ///< U = k/2 (ln J)², Lame's lambda in place of k for the neo-Hookean material

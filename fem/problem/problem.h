@@ -38,14 +38,14 @@ struct Sublayer {
   MaterialChoice material;  ///< at finite strain
 };
 
-/// What to solve. On a flat layer the gap is that of `contact.radii`. With a finite
+/// A contact to solve. On a flat layer the gap is that of `contact.radii`. With a finite
 /// `sphere_radius_m` the object is the exact sphere of that radius instead of the paraboloid (both
 /// radii must equal it).
 struct Problem {
   std::string name = "case";
   ContactProblem contact;
   double sphere_radius_m = std::numeric_limits<double>::infinity();
-  /// What friction carries at a point; its coefficient is that of the contact's load.
+  /// The law that bounds friction at a point; its coefficient is that of the contact's load.
   ShearLaw::Kind shear_law = ShearLaw::Kind::coulomb;
   double shear_strength_Pa = 0;  ///< > 0, for laws that have one
   /// Presses by this approach in place of the contact's load, which is then ignored; 0: by load.
@@ -69,7 +69,7 @@ struct Problem {
   ShearLaw friction_law() const {
     return {shear_law, contact.load.friction_coefficient, shear_strength_Pa};
   }
-  /// In the units of the model, whose stress is E.
+  /// The friction law in the units of the model, whose stress is E.
   ShearLaw friction_law_of_model() const {
     ShearLaw law = friction_law();
     law.shear_strength_Pa /= contact.layer.youngs_modulus_Pa;

@@ -23,8 +23,8 @@ struct LevelResult {
   /// int tau r dA and int tau dA of the frictionless pressure, tau the shear law's stress.
   double max_torque_Nm = 0, max_force_N = 0;
   double torque_arm_m = 0;  ///< int p r dA / P
-  /// What touches, seen along the load, and on the deformed surface. The first is what models of
-  /// contact predict. The second has the object's slope, in linear elasticity too.
+  /// The area that touches, seen along the load, and on the deformed surface. The first is what
+  /// models of contact predict. The second has the object's slope, in linear elasticity too.
   double area_projected_m2 = 0, area_m2 = 0;
   double centre_pressure_Pa = 0;  ///< in the contact's middle, where the peak need not be
   /// Points around the contact, seen along the load, in the contact's frame; more than one where it
@@ -65,7 +65,7 @@ struct Wrench {
   double force_x_N = 0, force_y_N = 0, torque_Nm = 0;
 };
 
-/// How friction changes a contact at finite strain, relative to the frictionless one.
+/// The change of a contact by friction at finite strain, relative to the frictionless one.
 struct ShearedContact {
   double area_ratio = 1;           ///< seen along the load
   double peak_pressure_ratio = 1;  ///< of the nodes
@@ -109,14 +109,15 @@ struct Result {
   /// Half of what a clamped side wall changes, from the free one, measured on the coarse level. A
   /// real layer goes on beyond it and lies between the two: all levels are corrected by this much.
   WallChange wall;
-  /// What facets and noise of a scanned finger may change, at 95 %: where they leave the surface
-  /// open, what is smoothed away, and the normal of the frame. None: the finger is no scan, or it
+  /// The error that facets and noise of a scanned finger leave open, at 95 %: where the surface
+  /// lies, what is smoothed away, and the normal of the frame. None: the finger is no scan, or it
   /// cannot be pressed with its vertices moved.
   std::optional<RelativeError> geometry_error;
-  /// Where a scanned finger touches the object first, from the aimed point in the contact's frame;
-  /// outlines and profiles count from there.
+  /// The place where a scanned finger touches the object first, from the aimed point in the
+  /// contact's frame; outlines and profiles count from there.
   std::array<double, 3> first_touch_m{};
-  /// Where friction's motions turn about, and what its torques are about, from the first touch.
+  /// The point that friction's motions turn about and that its torques refer to, from the first
+  /// touch.
   std::array<double, 2> friction_centre_m{};
   double pressure_exponent =
       0;  ///< n of p0 (1 - r²)^n with the same load, area and peak: pi a b p0 / P - 1

@@ -10,7 +10,7 @@
 
 namespace softfinger::fem {
 
-/// How the files that a problem names are read. The caller gives them, so that problems can be
+/// Readers of the files that a problem names. The caller gives them, so that problems can be
 /// checked by a program without gmsh.
 struct MeshReaders {
   std::function<TriangleSurface(const std::string& path, double metres_per_unit)> surface;

@@ -13,9 +13,10 @@
 namespace softfinger::fem {
 namespace {
 
-/// Where the contact reaches a fold of the layer, once more with the ridge of the eroded finger as
-/// the core's, which more of the layer bears. What that leaves open is stated. Where all cores
-/// fold, the refusal is that of the one that bears most.
+/// Solves with a core that the layer bears. If the contact reaches a fold of the layer, it is
+/// solved once more with the ridge of the eroded finger as the core's, which more of the layer
+/// bears. What that leaves open is stated. Where all cores fold, the refusal is that of the one
+/// that bears most.
 /// @param solve  with a core
 template <class Solve>
 Result solve_with_any_core(const Problem& problem, const Progress& progress, const Solve& solve) {

@@ -233,7 +233,7 @@ std::optional<Options> read_options(int count, char** arguments) {
   return options;
 }
 
-/// What was measured on the points that were answered.
+/// The measurements of the points that were answered.
 struct Answers {
   std::vector<double> a, b, area, d, torque, cpu_s;
 

@@ -46,7 +46,8 @@ Result solve_quietly(const Problem& problem, ModelCache* models = nullptr);
 Checks compare(const std::string& group, const std::string& name, const Problem& problem,
                const Expected& expected);
 
-/// The same on the meshes that were made for a larger load. No checks where these do not suit.
+/// Compares on the meshes that were made for a larger load. There are no checks where these do not
+/// suit.
 /// @param larger_load  over the problem's load
 Checks compare_reused(const std::string& group, const std::string& name, const Problem& problem,
                       const Expected& expected, double larger_load);
