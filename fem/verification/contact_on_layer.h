@@ -4,8 +4,7 @@
 
 #include "fem/contact/pressing.h"
 #include "fem/levels/friction_levels.h"
-#include "fem/problem/problem.h"
-#include "fem/problem/result.h"
+#include "fem/program/reference_solver.h"
 #include "fem/verification/check.h"
 
 /// Contacts by their dimensionless numbers, for the groups of checks.
