@@ -4,15 +4,15 @@
 #include <utility>
 #include <vector>
 
-#include "fem/error_model.h"
+#include "fem/base/formatted.h"
+#include "fem/base/stopwatch.h"
+#include "fem/base/threads.h"
 #include "fem/finite/frictional_pressing.h"
 #include "fem/finite/full_slip.h"
 #include "fem/finite/solved_slides.h"
 #include "fem/finite/superposed_friction.h"
-#include "fem/formatted.h"
-#include "fem/friction_study.h"
-#include "fem/stopwatch.h"
-#include "fem/threads.h"
+#include "fem/friction/friction_study.h"
+#include "fem/levels/error_model.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -29,14 +29,14 @@ FrictionWrench difference(const FrictionWrench& one, const FrictionWrench& other
   return {one.force_x - other.force_x, one.force_y - other.force_y, one.torque - other.torque};
 }
 
-/// What the next finer mesh changes about a correction, where no second mesh tells. Of twists that
-/// were solved on both it changed 3 % of corrections of 0.023, 0.032 and 0.095, elsewhere 10 % of
+/// The error of a correction that is solved on one mesh only. On twists that were solved on two
+/// meshes the finer one changed 3 % of corrections of 0.023, 0.032 and 0.095, elsewhere 10 % of
 /// 0.05, 6 % of 0.14 and 24 % of 0.25.
 double usual_error(double correction) {
   return std::max(0.1 * correction, correction * correction);
 }
 
-/// What the mesh tells.
+/// The states that were solved on the mesh.
 struct OnMesh {
   Path twist;
   std::vector<FrictionWrench> superposed;  ///< of the twist, where there is a coarser mesh
@@ -45,11 +45,11 @@ struct OnMesh {
   double aim = 1;                               ///< as of SolvedSlides, for further slides
 };
 
-/// What the coarser mesh tells, as far as it goes.
+/// The states that were solved on the coarser mesh, as far as it bears them.
 struct OnCoarser {
   std::optional<Path> twist;
   std::optional<SolvedSlides::Neglected> turn;
-  /// Of the limit surface, and how far it is guessed.
+  /// The correction of the limit surface, and how far it is guessed.
   std::optional<std::vector<SolvedSlides::Neglected>> slides;
   double spread = 0;
 };
@@ -162,7 +162,8 @@ class Corrector {
     return result;
   }
 
-  /// What only the coarser mesh does not bear is told and left out.
+  /// Solves on the coarser mesh. If only that mesh does not bear a state, the state is told and
+  /// left out.
   void if_it_goes(const Solving& solving, const std::function<void()>& solve) const {
     try {
       solve();
@@ -190,7 +191,7 @@ class Corrector {
     result_.twist = std::move(twist.changes);
   }
 
-  /// How far the coarser mesh tells another correction of the twist.
+  /// Compares the coarser mesh's correction of the twist with the other one.
   /// @returns the largest difference, relative, and the number of states that it is of
   std::pair<double, std::size_t> compare(const OnMesh& on_mesh, const Path& rough) const {
     const Path& twist = on_mesh.twist;

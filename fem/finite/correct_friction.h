@@ -6,9 +6,9 @@
 #include <string>
 
 #include "fem/finite/finite_pressing.h"
-#include "fem/friction_bound.h"
-#include "fem/friction_levels.h"
-#include "fem/surface_series.h"
+#include "fem/friction/friction_bound.h"
+#include "fem/levels/friction_levels.h"
+#include "fem/output/surface_series.h"
 
 namespace softfinger::fem::finite {
 
@@ -16,11 +16,11 @@ namespace softfinger::fem::finite {
 struct FrictionMesh {
   FinitePressing* pressed;  ///< never null
   FrictionBound bound;
-  /// Its `superposed_stiffness`; empty: it is found.
+  /// The mesh's `superposed_stiffness`; empty: it is found.
   Eigen::MatrixXd tangent = {};
 };
 
-/// What superposed motions neglect of friction, by solving its states on the deformed layer.
+/// Finds what superposed motions neglect of friction, by solving its states on the deformed layer.
 struct FrictionCorrecting {
   FrictionMesh mesh;
   /// One with fewer elements per semi-axis, where there is one. It tells how much of what is

@@ -58,12 +58,12 @@ class DeformedSurface : public SurfaceDeformation {
   std::vector<std::array<Eigen::Vector3d, 9>> positions_;
 };
 
-/// By how many cells the outline of the nodes lies outside the edge. How nodes beside the edge give
-/// way depends on what the elements project on linear functions. The logarithmic neo-Hookean law
-/// has lambda there, as linear elasticity (pressing.cc); all others have the whole bulk modulus:
-/// 0.05 cells, +-0.01, on 12 turned ellipses (nu 0.3 to 0.46, d/h 0.03 to 0.31, level 2) against
-/// fits of the same contact's quarter on level 3; 0.037, +-0.007, on three round ones (nu 0.3 and
-/// 0.49, d/h 0.2 and 0.4) against an axisymmetric solution.
+/// The outline of the nodes lies outside the edge by this many cells. How nodes beside the edge
+/// give way depends on what the elements project on linear functions. The logarithmic neo-Hookean
+/// law has lambda there, as linear elasticity (pressing.cc); all others have the whole bulk
+/// modulus: 0.05 cells, +-0.01, on 12 turned ellipses (nu 0.3 to 0.46, d/h 0.03 to 0.31, level 2)
+/// against fits of the same contact's quarter on level 3; 0.037, +-0.007, on three round ones (nu
+/// 0.3 and 0.49, d/h 0.2 and 0.4) against an axisymmetric solution.
 double outline_outside(const MaterialChoice& material) {
   const bool as_in_linear_elasticity = material.name == MaterialName::neo_hookean &&
                                        material.volumetric == VolumetricLaw::logarithmic;
@@ -72,8 +72,8 @@ double outline_outside(const MaterialChoice& material) {
 
 }  // namespace
 
-DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
-                        const MaterialChoice& material) {
+Outcome<DeformedContact, Unmeasured> measure(const FinitePressing& pressing, double surface_modulus,
+                                             const MaterialChoice& material) {
   const FiniteLayer& layer = pressing.layer();
   const Equilibrium& equilibrium = pressing.equilibrium();
   const auto& nodes = layer.nodes();
@@ -95,7 +95,9 @@ DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
   nodal.regular = layer.has_grid();
   nodal.outline_outside = outline_outside(material);
   DeformedContact contact;
-  contact.shape = measure_shape(nodal);
+  Outcome<ContactShape, Unmeasured> shape = measure_shape(nodal);
+  if (!shape) return shape.reason();
+  contact.shape = *std::move(shape);
   contact.area =
       contact.shape.projected_area * mean_secant(contact.shape.outlines, *pressing.object());
   const Eigen::Vector2d centre =

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fem/contact_shape.h"
+#include "fem/contact/contact_shape.h"
 #include "fem/finite/finite_pressing.h"
 
 namespace softfinger::fem::finite {
@@ -19,8 +19,8 @@ struct DeformedContact {
 /// displacements then carry it into the deformed state.
 /// @param surface_modulus  E / (1 - nu²) of the material at the surface, at small strain
 /// @param material         the same
-DeformedContact measure(const FinitePressing& pressing, double surface_modulus,
-                        const MaterialChoice& material = {});
+Outcome<DeformedContact, Unmeasured> measure(const FinitePressing& pressing, double surface_modulus,
+                                             const MaterialChoice& material = {});
 
 /// Share of the deformed surface of each surface node.
 Eigen::VectorXd nodal_area(const FiniteLayer& layer);

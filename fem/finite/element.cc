@@ -10,7 +10,7 @@ using Eigen::Index;
 
 namespace {
 
-/// Of a field at a point: du_i/dX_J.
+/// The gradient of a field at a point, du_i/dX_J.
 Eigen::Matrix3d gradient_at(const ElementGeometry& geometry, const UnitGradient& field,
                             Index point) {
   return (geometry.to_unit.middleCols<3>(3 * point).transpose() * field.middleRows<3>(3 * point))

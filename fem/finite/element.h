@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 
-#include "fem/cholesky.h"
+#include "fem/algebra/cholesky.h"
 #include "fem/finite/material.h"
 
 namespace softfinger::fem::finite {
@@ -47,7 +47,7 @@ struct ElementBalance {
   Eigen::Matrix4d bulk;
 };
 
-/// With its derivative by the displacements.
+/// An element's balance with its derivative by the displacements.
 struct ElementLinearisation : ElementBalance {
   Eigen::MatrixXd stiffness;  ///< 3 n x 3 n, symmetric, not always positive definite
   Eigen::VectorXd force;      ///< internal forces at the state's own pressure
@@ -57,8 +57,8 @@ struct ElementLinearisation : ElementBalance {
 /// A fraction of a step from a state.
 struct ElementAdvance {
   ElementState state;
-  /// At the quadrature points, of the deformation or of the element's own field; where it is not
-  /// positive there is no energy.
+  /// The smallest volume ratio at the quadrature points, of the deformation or of the element's own
+  /// field. Where it is not positive there is no energy.
   double smallest_volume_ratio;
 };
 

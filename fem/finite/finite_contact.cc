@@ -7,21 +7,21 @@
 #include <optional>
 #include <utility>
 
+#include "fem/base/formatted.h"
+#include "fem/base/stopwatch.h"
 #include "fem/finite/correct_friction.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/superposed_friction.h"
-#include "fem/formatted.h"
-#include "fem/level_loop.h"
-#include "fem/stopwatch.h"
-#include "fem/surface_series.h"
+#include "fem/levels/level_loop.h"
+#include "fem/output/surface_series.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
 namespace {
 
-/// From here on a contact wraps around the object instead of being pressed on it.
+/// A contact that reaches a steeper slope wraps around the object instead of being pressed on it.
 constexpr double steep_rad = M_PI / 4;
-/// Where it stops beyond this slope, the finger's surface leaves the object: finer cells go no
+/// If the load stops beyond this slope, the finger's surface leaves the object: finer cells go no
 /// farther.
 constexpr double wrapped_rad = 80 * M_PI / 180;
 
@@ -67,10 +67,10 @@ class FiniteContact : public ContactPhysics {
   /// Level 0 has a mesh made for the size that the trial found: its edge lies on cell edges.
   bool trial_is_level_0() const override { return false; }
 
-  void press(const LayerDiscretisation& mesh, int level) override {
+  std::optional<Obstacle> press(const LayerDiscretisation& mesh, int level) override {
     level_ = level;
     if (pressing_) pressing_->release_factor();
-    press_from(pressing_.get(), mesh);
+    return press_from(pressing_.get(), mesh);
   }
 
   RoughSize size() const override {
@@ -83,30 +83,36 @@ class FiniteContact : public ContactPhysics {
             text_of(pressing_->history())};
   }
 
-  void refuse_end_beside() const override {
-    fem::refuse_end_beside(pressing_->layer().nodes(), equilibrium().force, task_.pressing);
+  std::optional<FoldedLayer> end_beside() const override {
+    return fem::end_beside(pressing_->layer().nodes(), equilibrium().force, task_.pressing);
   }
 
   PressOther press_other() override {
     pressing_->release_factor();
-    return [start = std::shared_ptr<const FinitePressing>(pressing_)](
-               const ContactTask& task, const LayerDiscretisation& mesh) {
-      auto other = std::make_unique<FiniteContact>(task);
-      other->tells_what_fits_ = false;
-      other->press_from(start.get(), mesh);
-      return other;
-    };
+    return
+        [start = std::shared_ptr<const FinitePressing>(pressing_)](
+            const ContactTask& task,
+            const LayerDiscretisation& mesh) -> Outcome<std::unique_ptr<ContactPhysics>, Obstacle> {
+          auto other = std::make_unique<FiniteContact>(task);
+          other->tells_what_fits_ = false;
+          if (std::optional<Obstacle> obstacle = other->press_from(start.get(), mesh))
+            return *obstacle;
+          return std::unique_ptr<ContactPhysics>(std::move(other));
+        };
   }
 
   const LayerDiscretisation& discretisation() const override {
     return pressing_->layer().discretisation();
   }
 
-  Measurement measure() override {
+  Outcome<Measurement, Unmeasured> measure() override {
     check_covered();
     const MaterialChoice& surface =
         problem_.sublayers.empty() ? *problem_.finite_strain : problem_.sublayers.front().material;
-    contact_ = finite::measure(*pressing_, task_.pressing.surface_modulus(), surface);
+    Outcome<DeformedContact, Unmeasured> measured =
+        finite::measure(*pressing_, task_.pressing.surface_modulus(), surface);
+    if (!measured) return measured.reason();
+    contact_ = *std::move(measured);
     const Equilibrium& found = equilibrium();
     Measurement measurement;
     measurement.block_a = contact_.shape.block_a;
@@ -185,8 +191,10 @@ class FiniteContact : public ContactPhysics {
   const Equilibrium& equilibrium() const { return pressing_->equilibrium(); }
 
   /// @param start  the state on another mesh, near the one on this mesh; null: none
-  void press_from(const FinitePressing* start, const LayerDiscretisation& mesh) {
-    auto pressing = std::make_shared<FinitePressing>(make_layer(mesh), object_);
+  std::optional<Obstacle> press_from(const FinitePressing* start, const LayerDiscretisation& mesh) {
+    Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> layer = make_layer(mesh);
+    if (!layer) return layer.reason();
+    auto pressing = std::make_shared<FinitePressing>(*std::move(layer), object_);
     if (start && !task_.pressing.mesh) pressing->continue_from(*start);
     try {
       pressing->press({task_.pressing.load, task_.pressing.approach});
@@ -194,16 +202,17 @@ class FiniteContact : public ContactPhysics {
       const Equilibrium& last = pressing->equilibrium();
       const ConvergenceError told = not_reached(last, mesh, error);
       if (last.steepest_rad > wrapped_rad) throw told;
-      throw NotReached(told, last.moment_a, last.moment_b);
+      return NotReached{told, last.moment_a, last.moment_b};
     }
     pressing_ = std::move(pressing);
-    refuse_ends();
+    return reached_end();
   }
 
-  std::shared_ptr<FiniteLayer> make_layer(const LayerDiscretisation& mesh) const {
+  Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> make_layer(
+      const LayerDiscretisation& mesh) const {
     const Pressing& pressing = task_.pressing;
     if (pressing.mesh) return std::make_shared<FiniteLayer>(mesh, *pressing.mesh, h_, materials_);
-    return std::make_shared<FiniteLayer>(mesh, pressing.bent.shape, pressing.planes(), materials_);
+    return FiniteLayer::made(mesh, pressing.bent.shape, pressing.planes(), materials_);
   }
 
   /// The node where the contact touches the end of the surface that can be touched; none: nullptr.
@@ -215,15 +224,16 @@ class FiniteContact : public ContactPhysics {
     return nullptr;
   }
 
-  /// Where it refuses, it presses less: how much would fit.
-  /// @throws InputError where the contact reaches the end of the layer
-  void refuse_ends() {
+  /// Tells whether the contact reaches the end of the layer. If it does, less is pressed, to find
+  /// how much would fit.
+  /// @throws InputError where the finger ends
+  std::optional<FoldedLayer> reached_end() {
     const SurfaceNode* const end = touched_end(*pressing_);
-    if (!end) return;
+    if (!end) return std::nullopt;
     if (task_.pressing.mesh) refuse_end_of_surface(*end, h_);
     // That takes ten presses, too many on the finer mesh.
     const bool tells_what_fits = tells_what_fits_ && level_ < problem_.level;
-    refuse_end_of_layer(*end, task_.pressing, tells_what_fits ? share_that_fits() : std::nullopt);
+    return end_of_layer(*end, task_.pressing, tells_what_fits ? share_that_fits() : std::nullopt);
   }
 
   /// None where Newton's method stops on the way.
@@ -270,7 +280,7 @@ class FiniteContact : public ContactPhysics {
 
   FrictionBound bound() const { return bound(*pressing_); }
 
-  /// Per node of the layer.
+  /// The bound of friction on each node of the layer.
   FrictionBound bound(const FinitePressing& pressing) const {
     if (!law_.has_shear_strength()) return law_.friction_coefficient;
     const FiniteLayer& layer = pressing.layer();
@@ -383,7 +393,9 @@ class FiniteContact : public ContactPhysics {
                                 bool has_room) {
     const Stopwatch watch;
     std::unique_ptr<FinitePressing> own_whole;
-    if (pressing_->layer().planes().any()) own_whole = press_whole(discretisation());
+    if (pressing_->layer().planes().any())
+      own_whole = press_whole(std::make_shared<FiniteLayer>(
+          discretisation(), task_.pressing.bent.shape, no_plane, materials_));
     FinitePressing& whole = own_whole ? *own_whole : *pressing_;
     FrictionCorrecting correcting{{&whole, bound(whole), own_whole ? Eigen::MatrixXd() : tangent}};
     const std::unique_ptr<FinitePressing> coarser = press_coarser();
@@ -404,18 +416,16 @@ class FiniteContact : public ContactPhysics {
     return result;
   }
 
-  /// The same contact on another mesh, of the whole layer. Its object is its own: one keeps what it
-  /// has found of its surface, and friction on two meshes may be solved at a time.
-  std::unique_ptr<FinitePressing> press_whole(const LayerDiscretisation& mesh) {
-    auto whole = std::make_unique<FinitePressing>(
-        std::make_shared<FiniteLayer>(mesh, task_.pressing.bent.shape, no_plane, materials_),
-        rigid_object(task_.pressing));
+  /// Presses the same contact on another mesh, of the whole layer. Its object is its own: an object
+  /// keeps what it has found of its surface, and friction on two meshes may be solved at a time.
+  std::unique_ptr<FinitePressing> press_whole(std::shared_ptr<FiniteLayer> layer) {
+    auto whole = std::make_unique<FinitePressing>(std::move(layer), rigid_object(task_.pressing));
     whole->continue_from(*pressing_);
     whole->press({equilibrium().load, 0});
     return whole;
   }
 
-  /// On a mesh that is one level coarser, where there is one.
+  /// Presses the contact on a mesh that is one level coarser; null where there is none.
   std::unique_ptr<FinitePressing> press_coarser() {
     if (level_ == 0 || task_.pressing.mesh) return nullptr;
     const LayerDiscretisation& own = discretisation();
@@ -425,10 +435,13 @@ class FiniteContact : public ContactPhysics {
     coarser.elements_per_semi_axis *= own.elements_per_semi_axis / usual.elements_per_semi_axis;
     coarser.patch *= own.patch / usual.patch;
     if (!coarser.is_within_reach()) return nullptr;
+    // What the finer mesh bears the coarser one need not.
+    Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> layer =
+        FiniteLayer::made(coarser, task_.pressing.bent.shape, no_plane, materials_);
+    if (!layer) return nullptr;
     try {
-      return press_whole(coarser);
+      return press_whole(*std::move(layer));
     } catch (const ConvergenceError&) {
-      // What the finer mesh bears the coarser one need not.
       return nullptr;
     }
   }
@@ -448,9 +461,9 @@ class FiniteContact : public ContactPhysics {
 
 }  // namespace
 
-Result solve_finite(const ContactTask& task) {
+Outcome<Result, Unsolved> solve_finite(const ContactTask& task) {
   FiniteContact contact(task);
-  return solve_on_levels(contact, task).value();
+  return solve_on_levels(contact, task);
 }
 
 }  // namespace softfinger::fem::finite

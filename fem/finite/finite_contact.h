@@ -1,12 +1,12 @@
 #pragma once
 
-#include "fem/contact_physics.h"
+#include "fem/levels/level_loop.h"
 
 namespace softfinger::fem::finite {
 
 /// The answer of `fem::solve` at finite strain.
 /// @param task  its problem is checked and has `finite_strain`
-/// @throws InputError, ConvergenceError with the load that was reached, Interrupted, OffCentre
-Result solve_finite(const ContactTask& task);
+/// @throws InputError, ConvergenceError with the load that was reached, Interrupted
+Outcome<Result, Unsolved> solve_finite(const ContactTask& task);
 
 }  // namespace softfinger::fem::finite

@@ -15,10 +15,10 @@
 #include <optional>
 #include <utility>
 
+#include "fem/base/threads.h"
+#include "fem/base/write_file.h"
 #include "fem/finite/tangent_assembly.h"
-#include "fem/layer_space.h"
-#include "fem/threads.h"
-#include "fem/write_file.h"
+#include "fem/layer/layer_space.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -215,7 +215,7 @@ std::vector<double> FiniteLayer::Implementation::of_elements(const dealii::Vecto
 
 namespace {
 
-/// Of volume ratios, which are 1 where nothing is strained.
+/// The smallest of volume ratios, which are 1 where nothing is strained.
 double smallest_of(const std::vector<double>& ratios) {
   double smallest = 1;
   for (const double ratio : ratios) smallest = std::min(smallest, ratio);
@@ -235,7 +235,20 @@ FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation,
                          std::shared_ptr<const LayerShape> shape, MirrorPlanes planes,
                          std::vector<std::shared_ptr<const Material>> materials)
     : implementation_(std::make_unique<Implementation>(discretisation, std::move(shape), planes)) {
+  if (implementation_->folded) throw implementation_->folded->refusal;
   implementation_->set_up(std::move(materials));
+}
+
+FiniteLayer::FiniteLayer(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> FiniteLayer::made(
+    const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
+    MirrorPlanes planes, std::vector<std::shared_ptr<const Material>> materials) {
+  auto made = std::make_unique<Implementation>(discretisation, std::move(shape), planes);
+  if (made->folded) return *made->folded;
+  made->set_up(std::move(materials));
+  return std::shared_ptr<FiniteLayer>(new FiniteLayer(std::move(made)));
 }
 
 FiniteLayer::FiniteLayer(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
@@ -438,9 +451,9 @@ void FiniteLayer::Implementation::update_residual(const std::vector<NodeFrame>& 
   set_residual(residual_of_dofs);
 }
 
-/// Of the free unknowns, those of surface nodes along their frames, with what hangs on them. It
-/// vanishes in equilibrium: a step in single precision is off by a share of what is left, not by
-/// one of the pressure.
+/// The residual of the free unknowns, those of surface nodes along their frames, with what hangs on
+/// them. It vanishes in equilibrium: a step in single precision is off by a share of what is left,
+/// not by one of the pressure.
 void FiniteLayer::Implementation::set_residual(dealii::Vector<double>& of_dofs) {
   constraints.condense(of_dofs);
   for (std::size_t i = 0; i < frames.size(); ++i) {
@@ -637,7 +650,7 @@ class CellFinder {
     }
   }
 
-  /// Of the box that the cell is in the block.
+  /// The side of the box that the cell is in the block.
   static dealii::Tensor<1, dim> side_of(const Cell& cell, unsigned int direction) {
     return cell->vertex(1u << direction) - cell->vertex(0);
   }

@@ -9,7 +9,7 @@
 
 #include "fem/finite/element.h"
 #include "fem/finite/tangent_contact.h"
-#include "fem/layer_model.h"
+#include "fem/layer/layer_model.h"
 
 namespace softfinger::fem::finite {
 
@@ -39,6 +39,10 @@ class FiniteLayer {
   /// The whole layer, from a coarse mesh from outside, refined as by `LayerModel`.
   FiniteLayer(const LayerDiscretisation& discretisation, const meshes::LayerMesh& mesh,
               double thickness_m, std::vector<std::shared_ptr<const Material>> materials);
+  /// Makes a layer as the first constructor does, or tells why a scan has none at the contact.
+  static Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> made(
+      const LayerDiscretisation& discretisation, std::shared_ptr<const LayerShape> shape,
+      MirrorPlanes planes, std::vector<std::shared_ptr<const Material>> materials);
   ~FiniteLayer();
   FiniteLayer(const FiniteLayer&) = delete;
   FiniteLayer& operator=(const FiniteLayer&) = delete;
@@ -73,7 +77,7 @@ class FiniteLayer {
   /// @returns the largest nodal force out of balance
   double linearise(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force);
 
-  /// The same with friction.
+  /// Linearises with friction.
   /// @param force  per node: along the tangents of its frame and into the layer
   double linearise(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force,
                    Along along);
@@ -85,16 +89,16 @@ class FiniteLayer {
   double update_residual(const std::vector<NodeFrame>& frames, const Eigen::VectorXd& force);
   double update_residual(const std::vector<NodeFrame>& frames, const Eigen::Matrix3Xd& force);
 
-  /// After `linearise`: the share of its own diagonal that was added to the tangent to make it
+  /// Call after `linearise`. The share of its own diagonal that was added to the tangent to make it
   /// positive definite; 0 where it was so by itself, with the surface nodes held.
   double shift() const;
 
-  /// After `linearise`: of the displacements that it was condensed to.
+  /// Call after `linearise`. The response of the displacements that it was condensed to.
   SurfaceResponse surface_response() const;
-  /// Its force alone.
+  /// The force of that response alone.
   Eigen::VectorXd surface_force() const;
 
-  /// After `linearise`: computes the step to the equilibrium with these contact forces and
+  /// Call after `linearise`. Computes the step to the equilibrium with these contact forces and
   /// displacements of the surface nodes, which go together by `surface_response`.
   /// @returns its largest nodal displacement
   double find_step(const Eigen::VectorXd& force, const Eigen::VectorXd& displacement);
@@ -103,11 +107,11 @@ class FiniteLayer {
   /// @returns smallest volume ratio; where that is not positive, `linearise` must not be called
   double take_step(double fraction);
 
-  /// How some surface nodes resist small motions superposed on the present state: their forces per
-  /// displacement with all else free, in 3 x 3 blocks along the axes of their frames. The tangent
-  /// is the deformed state's own, geometric stiffness and the frames' `curvature_force` included.
-  /// Rows and columns of components that the parity fixes are zero; a whole layer takes every
-  /// motion. Factorises, which ends what `linearise` made.
+  /// The resistance of some surface nodes to small motions superposed on the present state: their
+  /// forces per displacement with all else free, in 3 x 3 blocks along the axes of their frames.
+  /// The tangent is the deformed state's own, geometric stiffness and the frames' `curvature_force`
+  /// included. Rows and columns of components that the parity fixes are zero; a whole layer takes
+  /// every motion. Factorises, which ends what `linearise` made.
   /// @param frames  one for each surface node
   /// @param nodes   that an object holds along their normals
   /// @throws ConvergenceError where the state so held is not stable against these motions
@@ -137,11 +141,12 @@ class FiniteLayer {
   /// Sum of states times weights, which sum to 1.
   void restore(const std::vector<std::shared_ptr<const State>>& states,
                const Eigen::VectorXd& weights);
-  /// Of all nodes, every component.
+  /// The displacements of all nodes, every component.
   Eigen::VectorXd displacements() const;
 
  private:
   struct Implementation;
+  explicit FiniteLayer(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
 

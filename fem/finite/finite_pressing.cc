@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "fem/formatted.h"
-#include "fem/pressing.h"
-#include "fem/surface_frame.h"
+#include "fem/base/formatted.h"
+#include "fem/contact/pressing.h"
+#include "fem/layer/surface_frame.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {

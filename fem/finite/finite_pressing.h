@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "fem/contact/rigid_object.h"
 #include "fem/finite/finite_layer.h"
-#include "fem/rigid_object.h"
 
 /// Frictionless pressing at finite strain, in units of h and E: the surface's nodes against the
 /// object's exact surface where they are, by Newton's method on all of it.
@@ -57,7 +57,7 @@ bool reaches_rim(const LayerDiscretisation& mesh, const SurfaceNode& node);
 /// Distance of the surface's nodes in the contact.
 double node_spacing(const LayerDiscretisation& mesh);
 
-/// How it was reached.
+/// The work that an equilibrium took.
 struct PressingHistory {
   int steps = 0;       ///< of load, converged ones
   int cuts = 0;        ///< steps that were given up and tried again shorter
@@ -75,7 +75,7 @@ class FinitePressing {
   FinitePressing(std::shared_ptr<FiniteLayer> layer, std::shared_ptr<const RigidObject> object,
                  const PressingOptions& options = {});
 
-  /// From the present equilibrium to another one, by steps as large as converge.
+  /// Goes from the present equilibrium to another one, by steps as large as converge.
   /// @throws ConvergenceError, with the last load that was reached; the equilibrium is then that
   void press(const Drive& drive);
 
@@ -88,7 +88,7 @@ class FinitePressing {
   const PressingHistory& history() const { return history_; }
   const FiniteLayer& layer() const { return *layer_; }
 
-  /// What friction goes on from: the layer, whose state it changes, and the object, whose height
+  /// Friction goes on from these: the layer, whose state it changes, and the object, whose height
   /// counts from `offset`.
   const std::shared_ptr<FiniteLayer>& shared_layer() const { return layer_; }
   const std::shared_ptr<const RigidObject>& object() const { return object_; }

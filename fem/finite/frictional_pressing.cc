@@ -7,12 +7,12 @@
 #include <optional>
 #include <utility>
 
-#include "fem/coulomb_friction.h"
+#include "fem/algebra/fixed_point.h"
+#include "fem/algebra/positive_definite.h"
 #include "fem/finite/deformed_contact.h"
-#include "fem/fixed_point.h"
-#include "fem/friction_study.h"
-#include "fem/positive_definite.h"
-#include "fem/surface_frame.h"
+#include "fem/friction/coulomb_friction.h"
+#include "fem/friction/friction_study.h"
+#include "fem/layer/surface_frame.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -34,7 +34,7 @@ PlaneMotion between(const PlaneMotion& from, const PlaneMotion& to, double share
           from.turn_rad + share * (to.turn_rad - from.turn_rad)};
 }
 
-/// Where the object takes points on it when it moves from one place to another and nearer.
+/// Carries points on the object along when it moves from one place to another and nearer.
 Eigen::Matrix3Xd carried(Eigen::Matrix3Xd points, const PlaneMotion& from, const PlaneMotion& to,
                          double approached) {
   const Eigen::Matrix2d turn = Eigen::Rotation2Dd(to.turn_rad - from.turn_rad).toRotationMatrix();
@@ -183,10 +183,11 @@ std::vector<FrictionalPressing::Touch> FrictionalPressing::touches() const {
   return result;
 }
 
-/// Along the present tangents: from each node to the place on the object where it was at the last
-/// increment's end. An object that turns takes it there on an arc, whose chord is ahead of the
-/// motion under a node that stays by half of the turn: it is turned back by that, so that friction
-/// on a slipping node is along the motion under it. Where a node sticks there is nothing to turn.
+/// The target of sticking nodes, along the present tangents: from each node to the place on the
+/// object where it was at the last increment's end. An object that turns takes it there on an arc,
+/// whose chord is ahead of the motion under a node that stays by half of the turn: it is turned
+/// back by that, so that friction on a slipping node is along the motion under it. Where a node
+/// sticks there is nothing to turn.
 Eigen::VectorXd FrictionalPressing::stuck_target(const std::vector<Touch>& touching,
                                                  double approach) const {
   const Eigen::Matrix3Xd taken =
@@ -542,7 +543,7 @@ bool FrictionalPressing::start_from(const std::vector<State>& states,
   return true;
 }
 
-/// From the present slide to another one. @returns false where the way does not converge
+/// Goes from the present slide to another one. @returns false where the way does not converge
 bool FrictionalPressing::go_on_to(const Slide& next) {
   constexpr double shortest = 1.0 / 2;
   const Slide from = *slide_;

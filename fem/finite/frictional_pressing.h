@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
+#include "fem/algebra/fixed_point.h"
 #include "fem/finite/finite_layer.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/fixed_point.h"
-#include "fem/frictional_contact.h"
-#include "fem/reference_solver.h"
-#include "fem/surface_series.h"
+#include "fem/friction/frictional_contact.h"
+#include "fem/output/surface_series.h"
+#include "fem/problem/result.h"
 
 namespace softfinger::fem::finite {
 
@@ -39,7 +39,7 @@ class FrictionalPressing {
   FrictionalPressing(const FrictionalPressing&) = delete;
   FrictionalPressing& operator=(const FrictionalPressing&) = delete;
 
-  /// Of layer and contact: one in equilibrium, or an iterate of Newton's method.
+  /// A state of layer and contact: one in equilibrium, or an iterate of Newton's method.
   struct State {
     std::shared_ptr<const FiniteLayer::State> layer;
     Eigen::Matrix3Xd force;  ///< per node: along the tangents of its frame, and into the layer
@@ -71,16 +71,16 @@ class FrictionalPressing {
   /// Goes back to the contact as it was pressed, without friction.
   void restart();
 
-  /// Of friction alone, about the contact plane's origin.
+  /// The wrench of friction alone, about the contact plane's origin.
   FrictionWrench wrench() const;
   /// Share of the touching area that slips, 0 to 1.
   double slip_fraction() const;
   ShearedContact sheared() const;
-  /// Where the surface lies deformed. Slip is that since the contact was pressed.
+  /// The deformed surface. Slip counts since the contact was pressed.
   RubbedSurface surface() const;
   /// Why the latest motion or slide that went not all the way stopped.
   const std::string& failure() const { return failure_; }
-  /// Of Newton's method, and factorisations among them, so far.
+  /// The iterations of Newton's method so far, and the factorisations among them.
   int iterations() const { return iterations_; }
   int factorisations() const { return factorisations_; }
 
@@ -88,7 +88,7 @@ class FrictionalPressing {
   struct Touch;
   struct Tangent;
   struct SurfaceStep;
-  /// What friction is found from, per node and along the tangents.
+  /// The inputs of Coulomb's problem, per node and along the tangents.
   struct Rubbed {
     const std::vector<Touch>& touching;
     const Eigen::VectorXd& normal_force;

@@ -227,13 +227,4 @@ std::unique_ptr<const Material> make_material(const MaterialChoice& choice, doub
   return material;
 }
 
-const char* name_of(MaterialName name) {
-  constexpr const char* names[] = {"neo_hookean", "mooney_rivlin", "yeoh"};
-  return names[static_cast<int>(name)];
-}
-
-const char* name_of(VolumetricLaw law) {
-  return law == VolumetricLaw::quadratic ? "quadratic" : "logarithmic";
-}
-
 }  // namespace softfinger::fem::finite

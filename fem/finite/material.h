@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fem/finite/deformation.h"
+#include "fem/problem/material_choice.h"
 
 /// Hyperelastic materials: W(F) = Psi(F) + U(J). The elements take U at a volume ratio of their own
 /// (three-field mixed form), so a material gives its two parts apart. Stresses in any one unit.
@@ -20,12 +21,6 @@ struct Response {
 /// U of a volume ratio with its derivatives.
 struct VolumetricResponse {
   double energy = 0, pressure = 0, modulus = 0;  ///< U, U', U''
-};
-
-/// How a volume change is resisted.
-enum class VolumetricLaw {
-  quadratic,    ///< U = k/2 (J - 1)²
-  logarithmic,  ///< U = k/2 (ln J)², Lame's lambda in place of k for the neo-Hookean material
 };
 
 class VolumetricPart {
@@ -59,18 +54,6 @@ class Material {
   VolumetricPart volumetric_;
 };
 
-enum class MaterialName { neo_hookean, mooney_rivlin, yeoh };
-
-/// A material by the constants of small strain, which every one of them has, and what is its own.
-struct MaterialChoice {
-  MaterialName name = MaterialName::neo_hookean;
-  VolumetricLaw volumetric = VolumetricLaw::quadratic;
-  /// Mooney-Rivlin: c01/(c10 + c01), 0 to 1; 0 is the neo-Hookean material.
-  double mooney_rivlin_share = 0;
-  /// Yeoh: c20/c10 and c30/c10; 0 is the neo-Hookean material.
-  double yeoh_second = 0, yeoh_third = 0;
-};
-
 /// With G = E/(2 (1 + nu)), k = E/(3 (1 - 2 nu)), lambda = k - 2 G/3, I1 = tr(F^T F),
 /// I2 = |cof F|², and the isochoric invariants I1* = J^(-2/3) I1, I2* = J^(-4/3) I2:
 ///   neo-Hookean, quadratic:    G/2 (I1* - 3) + k/2 (J - 1)²
@@ -85,9 +68,5 @@ struct MaterialChoice {
 /// planar stretch of the incompressible material, from 0.4 to 2.5, its stress would fall.
 std::unique_ptr<const Material> make_material(const MaterialChoice& choice, double youngs_modulus,
                                               double poisson_ratio);
-
-/// The names that problems and case files use.
-const char* name_of(MaterialName name);
-const char* name_of(VolumetricLaw law);
 
 }  // namespace softfinger::fem::finite

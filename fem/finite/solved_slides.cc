@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "fem/formatted.h"
+#include "fem/base/formatted.h"
 
 namespace softfinger::fem::finite {
 

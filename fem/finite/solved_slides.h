@@ -10,7 +10,7 @@
 #include "fem/finite/frictional_pressing.h"
 #include "fem/finite/full_slip.h"
 #include "fem/finite/superposed_friction.h"
-#include "fem/frictional_contact.h"
+#include "fem/friction/frictional_contact.h"
 
 namespace softfinger::fem::finite {
 

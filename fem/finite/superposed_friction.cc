@@ -4,11 +4,11 @@
 #include <cmath>
 #include <vector>
 
-#include "fem/coulomb_friction.h"
+#include "fem/algebra/fixed_point.h"
+#include "fem/algebra/positive_definite.h"
 #include "fem/finite/deformed_contact.h"
-#include "fem/fixed_point.h"
-#include "fem/positive_definite.h"
-#include "fem/surface_frame.h"
+#include "fem/friction/coulomb_friction.h"
+#include "fem/layer/surface_frame.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {

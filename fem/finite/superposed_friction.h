@@ -4,10 +4,10 @@
 #include <functional>
 #include <vector>
 
-#include "fem/coulomb_friction.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/friction_bound.h"
-#include "fem/frictional_contact.h"
+#include "fem/friction/coulomb_friction.h"
+#include "fem/friction/friction_bound.h"
+#include "fem/friction/frictional_contact.h"
 
 /// Coulomb friction on a contact pressed at finite strain, in units of h and E.
 ///
@@ -66,7 +66,7 @@ class SuperposedSlide {
   /// y; of a whole layer once. Not of a half.
   /// @throws ConvergenceError where the pressed state is not stable against such motions
   SuperposedSlide(FinitePressing& pressing, const FrictionBound& bound);
-  /// The same of a whole layer whose tangent is known.
+  /// Starts on a whole layer whose tangent is known.
   /// @param stiffness  `pressing.superposed_stiffness`
   SuperposedSlide(const FinitePressing& pressing, const FrictionBound& bound,
                   const Eigen::MatrixXd& stiffness);
@@ -109,7 +109,7 @@ class SuperposedMotion {
   /// Factorises the layer's tangent, of a quarter for motions odd in x and y.
   /// @throws ConvergenceError where the pressed state is not stable against a twist
   SuperposedMotion(FinitePressing& pressing, const FrictionBound& bound);
-  /// The same where the tangent is known.
+  /// Starts where the tangent is known.
   /// @param stiffness  `pressing.superposed_stiffness`, of a quarter for motions odd in x and y
   SuperposedMotion(const FinitePressing& pressing, const FrictionBound& bound,
                    const Eigen::MatrixXd& stiffness);

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "fem/cholesky.h"
-#include "fem/layer_space.h"
+#include "fem/algebra/cholesky.h"
+#include "fem/layer/layer_space.h"
 
 namespace softfinger::fem::finite {
 
@@ -24,7 +24,7 @@ class TangentAssembly {
                   Unknowns unknowns);
 
   const Unknowns& unknowns() const { return unknowns_; }
-  /// What was added up since `start`. The caller may change it.
+  /// The sum of the elements' tangents since `start`. The caller may change it.
   SparseSymmetricMatrix& matrix() { return matrix_; }
 
   /// Begins anew. @param axes  frames of the surface nodes

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "fem/active_set.h"
+#include "fem/contact/active_set.h"
 
 namespace softfinger::fem::finite {
 

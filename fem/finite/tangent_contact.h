@@ -6,7 +6,7 @@
 
 namespace softfinger::fem::finite {
 
-/// How the surface answers to displacements w of its nodes into the layer, about a deformed state:
+/// The surface's response to displacements w of its nodes into the layer, about a deformed state:
 /// contact forces f = stiffness w - force. Symmetric. Under pressure it is positive definite only
 /// on nodes that are free: pressed nodes would be unstable if they were released under constant
 /// forces.
@@ -22,7 +22,7 @@ struct TangentContact {
   int active = 0;
 };
 
-/// What problems with one stiffness share: while the same nodes are free, their factor.
+/// Problems with one stiffness share this factor while the same nodes are free.
 struct ReleasedFactor {
   std::vector<Eigen::Index> touching, free;
   Eigen::MatrixXd of_touching, free_by_touching;

@@ -2,14 +2,14 @@
 // step of the method of Ciocarlie et al. (2007), eq. (8). The same relative radii are realised as a
 // flat layer under a curved object and as a curved finger under a flat object, pressed with the
 // same load. A real finger's surface is replaced by its quadric as well. Prints the table of
-// fem/README.md.
+// docs/measurements/finite_elements.md.
 
 #include <fmt/core.h>
 
 #include <cmath>
 
-#include "fem/model_cache.h"
-#include "fem/reference_solver.h"
+#include "fem/linear/model_cache.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"

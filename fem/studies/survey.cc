@@ -14,8 +14,8 @@
 #include <string>
 #include <vector>
 
-#include "fem/reference_solver.h"
-#include "fem/stopwatch.h"
+#include "fem/base/stopwatch.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/surfaces.h"
 #include "meshes/io/read_surface.h"
@@ -233,7 +233,7 @@ std::optional<Options> read_options(int count, char** arguments) {
   return options;
 }
 
-/// What was measured on the points that were answered.
+/// The measurements of the points that were answered.
 struct Answers {
   std::vector<double> a, b, area, d, torque, cpu_s;
 
@@ -290,7 +290,7 @@ void survey(const Options& options) {
     fem::Problem problem;
     problem.contact = {{12e-3, 8e-3, 0}, {h, 1e5, nu}, {load_N, 0.8}};
     problem.level = options.level;
-    if (options.finite) problem.finite_strain = fem::finite::MaterialChoice();
+    if (options.finite) problem.finite_strain = fem::MaterialChoice();
     problem.fingertip.scan = std::make_shared<const TriangleSurface>(
         meshes::PlacedSurface(finger.surface, {at.point, at.normal, at.normal.unitOrthogonal(), 0},
                               meshes::PlacedSurface::Body::below)
@@ -304,7 +304,7 @@ void survey(const Options& options) {
       ++answered;
     } else if (!options.finite) {
       // Where small strain ends the finger does not: it is pressed once more.
-      problem.finite_strain = fem::finite::MaterialChoice();
+      problem.finite_strain = fem::MaterialChoice();
       fmt::print("    at finite strain: ");
       if (press(problem, tells, answers)) ++answered_at_finite_strain;
     }

@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "fem/model_cache.h"
+#include "fem/linear/model_cache.h"
 
 namespace softfinger::fem::verification {
 namespace {
@@ -152,7 +152,7 @@ Pressed press_at_level(const Problem& problem, double a_m, double b_m, int level
   mesh.b = b_m / h;
   choose_elements(mesh, level);
   const Pressing pressing = pressing_of(problem);
-  return press_on(make_layer(mesh, pressing), pressing);
+  return *press_on(*make_layer(mesh, pressing), pressing);
 }
 
 PressedContact friction_start(const Pressed& pressed, const Problem& problem, double a_m,

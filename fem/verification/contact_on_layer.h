@@ -2,9 +2,9 @@
 
 #include <functional>
 
-#include "fem/friction_levels.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/contact/pressing.h"
+#include "fem/levels/friction_levels.h"
+#include "fem/program/reference_solver.h"
 #include "fem/verification/check.h"
 
 /// Contacts by their dimensionless numbers, for the groups of checks.
@@ -45,7 +45,8 @@ Result solve_quietly(const Problem& problem, ModelCache* models = nullptr);
 Checks compare(const std::string& group, const std::string& name, const Problem& problem,
                const Expected& expected);
 
-/// The same on the meshes that were made for a larger load. No checks where these do not suit.
+/// Compares on the meshes that were made for a larger load. There are no checks where these do not
+/// suit.
 /// @param larger_load  over the problem's load
 Checks compare_reused(const std::string& group, const std::string& name, const Problem& problem,
                       const Expected& expected, double larger_load);

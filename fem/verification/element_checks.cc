@@ -21,8 +21,8 @@
 #include <Eigen/Geometry>
 #include <limits>
 
-#include "fem/cholesky.h"
-#include "fem/element_stiffness.h"
+#include "fem/algebra/cholesky.h"
+#include "fem/layer/element_stiffness.h"
 #include "fem/verification/groups.h"
 #include "softfinger/input/constants.h"
 

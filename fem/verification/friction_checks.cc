@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "fem/friction_study.h"
+#include "fem/friction/friction_study.h"
 #include "fem/verification/contact_on_layer.h"
 #include "fem/verification/groups.h"
 #include "fem/verification/torsion_reference.h"

@@ -13,8 +13,8 @@
 #include <set>
 #include <sstream>
 
+#include "fem/base/write_file.h"
 #include "fem/verification/groups.h"
-#include "fem/write_file.h"
 #include "softfinger/input/errors.h"
 
 namespace {

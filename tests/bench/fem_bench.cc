@@ -21,7 +21,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/reference_solver.h"
+#include "fem/program/reference_solver.h"
 #include "fem/verification/torsion_reference.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
@@ -225,7 +225,7 @@ fem::Problem fingertip(double load_N, double nu, bool is_finite) {
                             meshes::PlacedSurface::Body::below)
           .in_contact_frame());
   problem.fingertip.object = meshes::plane_object();
-  if (is_finite) problem.finite_strain = fem::finite::MaterialChoice();
+  if (is_finite) problem.finite_strain = fem::MaterialChoice();
   return problem;
 }
 
@@ -279,7 +279,7 @@ fem::Problem turned_problem(const TurnedContact& contact, bool is_finite, double
     problem.fingertip.pad = meshes::paraboloid_pad(straight, straight);
   problem.fingertip.object = meshes::quadric_object(contact.major_m, contact.minor_m, turn_rad);
   problem.fingertip.symmetric_object = turn_rad == 0;
-  if (is_finite) problem.finite_strain = fem::finite::MaterialChoice();
+  if (is_finite) problem.finite_strain = fem::MaterialChoice();
   return problem;
 }
 
@@ -310,7 +310,7 @@ bool run_axisymmetric(const std::string& name, const AxisymmetricContact& contac
   const double load = contact.load * youngs_modulus_Pa / (1 - contact.nu * contact.nu) * h * h;
   fem::Problem problem;
   problem.contact = {{R, R, 0}, {h, youngs_modulus_Pa, contact.nu}, {load, friction_coefficient}};
-  problem.finite_strain = fem::finite::MaterialChoice();
+  problem.finite_strain = fem::MaterialChoice();
   if (contact.is_finger) {
     problem.fingertip.pad = meshes::sphere_pad(R);
     problem.fingertip.object = meshes::plane_object();

@@ -303,7 +303,8 @@ TEST_F(FemProgram, TwistsToFullSlipAndWritesEachState) {
   const double full = answer["torque_full_slip_Nm"], integral = answer["max_torque_Nm"];
   // The last increment still turns the innermost node's force into its direction of slip.
   EXPECT_NEAR(last / full, 1, 1e-4);
-  // Friction moves the pressure a little: measured below 0.5 % (fem/README.md).
+  // Friction moves the pressure a little: measured below 0.5 %
+  // (docs/measurements/finite_elements.md).
   EXPECT_NEAR(full / integral, 1, 0.005);
   EXPECT_TRUE(fs::exists(answer["vtu"].get<std::string>()));
   const std::string series = file_text(answer["pvd"].get<std::string>());
@@ -336,7 +337,8 @@ TEST_F(FemProgram, BendsTheLayerOntoTheFinger) {
       "[geometry.object]\nradii_mm = [inf, inf]\n";
   const std::string file = write_case({{geometry, bodies}});
   const json flat = solve({file, "--flat", "--linear"}), curved = solve({file, "--linear"});
-  // A convex layer is softer, and its contact larger by less (fem/README.md).
+  // A convex layer is softer, and its contact larger by less
+  // (docs/measurements/finite_elements.md).
   EXPECT_GT(curved["indentation_m"], flat["indentation_m"]);
   EXPECT_GT(curved["a_m"], flat["a_m"]);
   EXPECT_NEAR(curved["a_m"].get<double>() / flat["a_m"].get<double>(), 1, 0.1);

@@ -1,4 +1,4 @@
-#include "fem/active_set.h"
+#include "fem/contact/active_set.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "fem/check_problem.h"
+#include "fem/problem/check_problem.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "fem/formatted.h"
+#include "fem/base/formatted.h"
 
 namespace softfinger::fem {
 namespace {

@@ -1,4 +1,4 @@
-#include "fem/cholesky.h"
+#include "fem/algebra/cholesky.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -12,7 +12,7 @@
 #include <limits>
 #include <string>
 
-#include "fem/memory.h"
+#include "fem/base/memory.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {

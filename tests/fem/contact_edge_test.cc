@@ -1,4 +1,4 @@
-#include "fem/contact_edge.h"
+#include "fem/contact/contact_edge.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <functional>
 #include <map>
 
-#include "fem/touching_outline.h"
+#include "fem/contact/touching_outline.h"
 
 namespace softfinger::fem {
 namespace {
@@ -122,7 +122,7 @@ struct HertzGrid {
   }
 
   std::vector<Eigen::Matrix2Xd> outlines() const {
-    return touching_outlines({nodes, faces, position, pressure, clearance, 1, planes});
+    return *touching_outlines({nodes, faces, position, pressure, clearance, 1, planes});
   }
   OutlineShape shape() const { return shape_of(outlines()); }
 };

@@ -1,4 +1,4 @@
-#include "fem/coulomb_friction.h"
+#include "fem/friction/coulomb_friction.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Cells that follow a finger's sharp edges.
-#include "fem/edge_shape.h"
+#include "fem/layer/edge_shape.h"
 
 #include <gtest/gtest.h>
 

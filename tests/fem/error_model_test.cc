@@ -1,11 +1,11 @@
-#include "fem/error_model.h"
+#include "fem/levels/error_model.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
 
-#include "fem/friction_levels.h"
+#include "fem/levels/friction_levels.h"
 
 namespace softfinger::fem {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"
@@ -17,9 +17,6 @@
 
 namespace softfinger::fem {
 namespace {
-
-using finite::MaterialChoice;
-using finite::VolumetricLaw;
 
 constexpr double kThickness_m = 2e-3, kModulus_Pa = 3e5, kFriction = 0.5;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -186,8 +183,7 @@ TEST(FinitePressing, MaterialsThatAgreeToSecondOrderAgreeForSmallLoads) {
   // The two neo-Hookean energies differ by the cube of the strain: the load, relatively, by its
   // first power or less, since the differences under the contact and at its edge are of opposite
   // sign.
-  const MaterialChoice logarithmic{finite::MaterialName::neo_hookean, VolumetricLaw::logarithmic, 0,
-                                   0, 0};
+  const MaterialChoice logarithmic{MaterialName::neo_hookean, VolumetricLaw::logarithmic, 0, 0, 0};
   const auto difference = [&](double approach) {
     constexpr double radius = 200;
     const double a = std::sqrt(2 * approach * radius);
@@ -248,7 +244,7 @@ std::string refusal(const Problem& problem) {
 
 TEST(FiniteStrain, WhatItDoesNotHaveIsRefused) {
   Problem problem = problem_of(0.02, 0.02, 0.45, 1);
-  problem.finite_strain->name = finite::MaterialName::yeoh;
+  problem.finite_strain->name = MaterialName::yeoh;
   problem.finite_strain->yeoh_second = -1;
   EXPECT_NE(refusal(problem).find("stable material"), std::string::npos);
 }

@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
+#include "fem/contact/pressing.h"
 #include "fem/finite/correct_friction.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/frictional_pressing.h"
 #include "fem/finite/full_slip.h"
 #include "fem/finite/solved_slides.h"
 #include "fem/finite/superposed_friction.h"
-#include "fem/friction_study.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/friction/friction_study.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 
@@ -27,7 +27,6 @@ namespace {
 
 using Eigen::Index;
 using finite::FinitePressing;
-using finite::MaterialChoice;
 using finite::SuperposedMotion;
 
 constexpr double kFriction = 0.5;
@@ -172,7 +171,7 @@ TEST(SuperposedMotion, GoesFromStickToTheTorqueOfItsPressure) {
     EXPECT_EQ(slip, 1);
     // All forces along the circles: the arm that is measured on the deformed surface.
     const double full =
-        kFriction * pressing.equilibrium().load * finite::measure(pressing, 1).torque_arm;
+        kFriction * pressing.equilibrium().load * finite::measure(pressing, 1)->torque_arm;
     // The mesh is no body of revolution: of the surface's motion some hundredths go sideways, and
     // of the slip a twentieth of that at the last angles; its square is missing.
     EXPECT_NEAR(torque / full, 1, 1e-6);
@@ -190,11 +189,11 @@ struct SmallContact {
     linear.sphere = std::numeric_limits<double>::infinity();
     linear.approach = approach;
     linear.poisson_ratio = poisson_ratio;
-    pressed = press_on(make_layer(mesh, linear), linear);
+    pressed = *press_on(*make_layer(mesh, linear), linear);
     // About the undeformed state this energy has the very element of linear elasticity; of the
     // other one the volumetric strain that the pressures do not resolve is softer.
     MaterialChoice choice;
-    choice.volumetric = finite::VolumetricLaw::logarithmic;
+    choice.volumetric = VolumetricLaw::logarithmic;
     pressing = std::make_unique<FinitePressing>(
         layer_under(quadric(linear.major, linear.minor), mesh, poisson_ratio, both_planes, choice));
     pressing->press({0, approach});
@@ -345,9 +344,9 @@ struct SmallContactWithoutSymmetry {
     linear.approach = approach;
     linear.poisson_ratio = 0.45;
     linear.bent = shape_fingertip(linear.fingertip, 1);
-    pressed = press_on(make_layer(mesh, linear), linear);
+    pressed = *press_on(*make_layer(mesh, linear), linear);
     MaterialChoice choice;
-    choice.volumetric = finite::VolumetricLaw::logarithmic;
+    choice.volumetric = VolumetricLaw::logarithmic;
     pressing = std::make_unique<FinitePressing>(
         std::make_shared<finite::FiniteLayer>(mesh, linear.bent.shape, no_plane,
                                               finite::make_material(choice, 1.0, 0.45)),

@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
-#include "fem/error_model.h"
+#include "fem/contact/pressing.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/levels/error_model.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"
@@ -28,7 +28,6 @@ namespace {
 
 using finite::DeformedContact;
 using finite::FinitePressing;
-using finite::MaterialChoice;
 
 const Progress silent = [](const std::string&) {};
 
@@ -81,7 +80,7 @@ void expect_the_same(FinitePressing& quarter, FinitePressing& whole, double appr
   EXPECT_NEAR(found.energy / expected.energy, 1, kSameDiscretisation);
   EXPECT_NEAR(found.moment_a / expected.moment_a, 1, kSameDiscretisation);
   EXPECT_NEAR(found.moment_b / expected.moment_b, 1, kSameDiscretisation);
-  const DeformedContact fitted = measure(quarter, 1), measured = measure(whole, 1);
+  const DeformedContact fitted = *measure(quarter, 1), measured = *measure(whole, 1);
   EXPECT_NEAR(measured.torque_arm / fitted.torque_arm, 1, kSameDiscretisation);
   EXPECT_NEAR(measured.projected_arm / fitted.projected_arm, 1, kSameDiscretisation);
   EXPECT_NEAR(measured.shape.turn_rad, 0, 1e-6);
@@ -111,7 +110,7 @@ void expect_the_same_measured(FinitePressing& half, FinitePressing& whole, doubl
   const finite::Equilibrium &expected = whole.equilibrium(), &found = half.equilibrium();
   EXPECT_NEAR(found.load / expected.load, 1, kSameDiscretisation);
   EXPECT_NEAR(found.energy / expected.energy, 1, kSameDiscretisation);
-  const DeformedContact of_whole = measure(whole, 1), of_half = measure(half, 1);
+  const DeformedContact of_whole = *measure(whole, 1), of_half = *measure(half, 1);
   EXPECT_NEAR(of_half.torque_arm / of_whole.torque_arm, 1, kSameDiscretisation);
   EXPECT_NEAR(of_half.projected_arm / of_whole.projected_arm, 1, kSameDiscretisation);
   EXPECT_NEAR(of_half.area / of_whole.area, 1, kSameDiscretisation);
@@ -138,7 +137,7 @@ TEST(FiniteHalf, IsTheWholeOfAContactWithOneMirrorPlane) {
   for (const MirrorPlanes planes : {across_x, across_y}) {
     auto half_ellipse = layer_under(sphere(20), mesh, ellipsoid, 0.3, planes);
     expect_the_same_measured(half_ellipse, whole_ellipse, 0.2);
-    EXPECT_EQ(measure(half_ellipse, 1).shape.turn_rad, M_PI / 2);
+    EXPECT_EQ(measure(half_ellipse, 1)->shape.turn_rad, M_PI / 2);
   }
 }
 
@@ -167,7 +166,7 @@ TEST(FiniteWhole, TurnsWithFingerAndObject) {
     auto pressing =
         layer_under(sampled_object(meshes::quadric_object(40, 12, i * angle)), mesh, shape, 0.45);
     pressing.press({0, 0.2});
-    contact[i] = measure(pressing, 1);
+    contact[i] = *measure(pressing, 1);
     load[i] = pressing.equilibrium().load;
   }
   EXPECT_NEAR(load[1] / load[0], 1, meshes_error);
@@ -514,15 +513,15 @@ Departure departure(double approach) {
   pressing.approach = approach;
   pressing.poisson_ratio = nu;
   pressing.bent = shape_fingertip(pressing.fingertip, 1);
-  const Pressed linear = press_on(make_layer(mesh, pressing), pressing);
-  const ContactShape shape = measure_shape(linear, pressing);
+  const Pressed linear = *press_on(*make_layer(mesh, pressing), pressing);
+  const ContactShape shape = *measure_shape(linear, pressing);
   // About the undeformed state this energy has the very element of linear elasticity.
   MaterialChoice choice;
-  choice.volumetric = finite::VolumetricLaw::logarithmic;
+  choice.volumetric = VolumetricLaw::logarithmic;
   auto finite_strain = layer_under(sampled_object(pressing.fingertip.object), mesh,
                                    pressing.bent.shape, nu, no_plane, choice);
   finite_strain.press({0, approach});
-  const DeformedContact contact = measure(finite_strain, 1 / (1 - nu * nu), choice);
+  const DeformedContact contact = *measure(finite_strain, 1 / (1 - nu * nu), choice);
   return {finite_strain.equilibrium().load / linear.load() - 1,
           contact.torque_arm / linear.torque_arm() - 1,
           contact.shape.peak / shape.peak - 1,

@@ -1,4 +1,4 @@
-#include "fem/frictional_contact.h"
+#include "fem/friction/frictional_contact.h"
 
 #include <gtest/gtest.h>
 
@@ -10,10 +10,10 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "fem/friction_study.h"
-#include "fem/pressing.h"
-#include "fem/surface_compliance.h"
-#include "fem/write_compliance.h"
+#include "fem/contact/pressing.h"
+#include "fem/friction/friction_study.h"
+#include "fem/friction/surface_compliance.h"
+#include "fem/output/write_compliance.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
 #include "softfinger/input/errors.h"
@@ -37,7 +37,7 @@ struct Contact {
     mesh.b = 0.7;
     mesh.elements_per_semi_axis = 4;
     mesh.patch = 1.3;
-    pressed = press_on(make_layer(mesh, pressing), pressing);
+    pressed = *press_on(*make_layer(mesh, pressing), pressing);
     quarters =
         std::make_unique<QuarterCompliances>(friction_compliances(start(), Invariance::none));
     whole = surface_compliance(*quarters, Invariance::none);
@@ -235,7 +235,7 @@ struct BentContact {
     mesh.patch = 1.4;
     mesh.reach_x = pressing.bent.reach_x;
     mesh.reach_y = pressing.bent.reach_y;
-    pressed = press_on(
+    pressed = *press_on(
         std::make_shared<const LayerModel>(mesh, pressing.materials(), pressing.bent.shape, planes),
         pressing);
     quarters =

@@ -13,10 +13,10 @@
 #include <memory>
 #include <vector>
 
+#include "fem/contact/pressing.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/pressing.h"
-#include "fem/reference_solver.h"
+#include "fem/program/reference_solver.h"
 #include "softfinger/input/errors.h"
 #include "tests/fem/layer_mesh_file.h"
 
@@ -223,8 +223,8 @@ TEST_F(UserMesh, OfUnevenCellsIsRefinedWhereTheyAreLarge) {
   EXPECT_LT(found.complementarity_residual, 1e-6);
   EXPECT_LE(on_uneven.history().iterations, on_own.history().iterations + 1)
       << "the tangent is exact: Newton's method converges as on an even mesh";
-  const finite::DeformedContact one = finite::measure(on_uneven, 1),
-                                other = finite::measure(on_own, 1);
+  const finite::DeformedContact one = *finite::measure(on_uneven, 1),
+                                other = *finite::measure(on_own, 1);
   EXPECT_NEAR(one.torque_arm / other.torque_arm, 1, of_cells);
   EXPECT_NEAR(one.area / other.area, 1, 0.03) << "by nodes that touch";
 
@@ -234,8 +234,8 @@ TEST_F(UserMesh, OfUnevenCellsIsRefinedWhereTheyAreLarge) {
   Problem flat = problem;
   flat.mesh = nullptr;
   const Pressing own = pressing_of(flat);
-  const Pressed pressed = press_on(make_layer(mesh, pressing), pressing),
-                pressed_own = press_on(make_layer(mesh, own), own);
+  const Pressed pressed = *press_on(*make_layer(mesh, pressing), pressing),
+                pressed_own = *press_on(*make_layer(mesh, own), own);
   EXPECT_NEAR(pressed.contact.approach / pressed_own.contact.approach, 1, of_cells);
   EXPECT_NEAR(pressed.torque_arm() / pressed_own.torque_arm(), 1, of_cells);
 }

@@ -1,4 +1,4 @@
-#include "fem/layer_model.h"
+#include "fem/layer/layer_model.h"
 
 #include <gtest/gtest.h>
 
@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "fem/output/write_vtu.h"
 #include "meshes/generation/layer_block.h"
 #include "softfinger/input/errors.h"
 
@@ -161,8 +162,8 @@ void expect_written_by(const LayerModel& model) {
   const auto folder = std::filesystem::temp_directory_path() / "softfinger_layer_model_test";
   const auto path = folder / "solution.vtu";
   std::filesystem::remove_all(folder);
-  model.write_vtu(path, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(model.nodes().size())),
-                  2e-3, 3e5);
+  write_vtu(path, model, Eigen::VectorXd::Ones(static_cast<Eigen::Index>(model.nodes().size())),
+            2e-3, 3e5);
   std::ifstream file(path);
   const std::string content(std::istreambuf_iterator<char>(file), {});
   for (const char* field : {"displacement_m", "stress_Pa", "contact_pressure_Pa"})
@@ -183,9 +184,8 @@ TEST(LayerModel, WritesAFileWhenItsFactorIsNoLongerKept) {
 TEST(LayerModel, RefusesAFolderThatCannotBeWritten) {
   const LayerModel model(coarse(), 0.3);
   EXPECT_THROW(
-      model.write_vtu("/dev/null/solution.vtu",
-                      Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.nodes().size())), 2e-3,
-                      3e5),
+      write_vtu("/dev/null/solution.vtu", model,
+                Eigen::VectorXd::Zero(static_cast<Eigen::Index>(model.nodes().size())), 2e-3, 3e5),
       InputError);
 }
 

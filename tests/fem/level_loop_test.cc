@@ -1,4 +1,4 @@
-#include "fem/level_loop.h"
+#include "fem/levels/level_loop.h"
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "softfinger/input/errors.h"
@@ -25,11 +26,15 @@ class KnownContact : public ContactPhysics {
   bool shares_meshes() const override { return shares; }
   bool trial_is_level_0() const override { return trial_serves; }
 
-  void press(const LayerDiscretisation& mesh, int level) override {
+  std::optional<Obstacle> press(const LayerDiscretisation& mesh, int level) override {
     pressed.push_back(mesh);
     levels.push_back(level);
     if (mesh_outside > 0) pressed.back().elements_per_semi_axis = mesh_outside;
     if (shares) pressed.back().elements_per_semi_axis = level == 1 ? 4 : 8;
+    if (mesh.patch > patch_that_folds) return FoldedLayer{{"contact", "room", "none", ""}, 0.5};
+    if (mesh.elements_per_semi_axis < elements_for_load)
+      return NotReached{{"finite strain", 1, 1, "finer cells"}, a, b};
+    return std::nullopt;
   }
   RoughSize size() const override {
     const LayerDiscretisation& mesh = pressed.back();
@@ -42,22 +47,26 @@ class KnownContact : public ContactPhysics {
     return {std::min(told_a, 1.2 * mesh.a), std::min(b, 1.2 * mesh.b), 0.1, at_rim, 1000, ""};
   }
   PressOther press_other() override {
-    return [this](const ContactTask&, const LayerDiscretisation& mesh) {
+    return [this](const ContactTask&, const LayerDiscretisation& mesh)
+               -> Outcome<std::unique_ptr<ContactPhysics>, Obstacle> {
       walls_clamped_on.push_back(mesh.elements_per_semi_axis);
       auto other = std::make_unique<KnownContact>();
       other->press(mesh, 0);
       other->is_clamped = mesh.clamped_wall;
-      return other;
+      return std::unique_ptr<ContactPhysics>(std::move(other));
     };
   }
   const LayerDiscretisation& discretisation() const override { return pressed.back(); }
-  void refuse_end_beside() const override {}
-  Measurement measure() override {
+  std::optional<FoldedLayer> end_beside() const override { return std::nullopt; }
+  Outcome<Measurement, Unmeasured> measure() override {
+    if (levels.back() > 0 && pressed.back().patch < patch_for_outline)
+      return Unmeasured{true, {"outline of the contact", 1, 1, "it leaves the refined patch"}};
     const int elements = pressed.back().elements_per_semi_axis;
     const double off = 1 + error_of_one_cell / (elements * elements);
     Measurement measurement;
     measurement.block_a = a;
     measurement.block_b = b;
+    measurement.centre = centre;
     LevelResult& result = measurement.result;
     result.elements_per_semi_axis = elements;
     result.a_m = a * off;
@@ -91,6 +100,10 @@ class KnownContact : public ContactPhysics {
   bool is_clamped = false, shares = false, trial_serves = true, outgrows = false;
   int mesh_outside = 0;
   double oversize = 1, edge_with_friction = 1, patch_for_friction = 0, patch_for_contact = 0;
+  double patch_for_outline = 0;
+  double patch_that_folds = std::numeric_limits<double>::infinity();
+  int elements_for_load = 0;  ///< fewer do not reach it
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
   double jump = 1;            ///< of the size that trial meshes tell
   std::vector<bool> planned;  ///< whether there was a plan, each time that friction was asked for
   std::vector<LayerDiscretisation> pressed;
@@ -107,6 +120,10 @@ class LevelLoop : public testing::Test {
     pressing.load = 0.1;
   }
   std::optional<Result> solve() {
+    Outcome<Result, Unsolved> answer = answered();
+    return answer ? std::optional(*answer) : std::nullopt;
+  }
+  Outcome<Result, Unsolved> answered() {
     const Progress progress = [this](const std::string& line) { lines.push_back(line); };
     const StopRequested stop = [this] { return ++questions >= stop_at_question; };
     return solve_on_levels(contact, {problem, pressing, progress, stop});
@@ -319,6 +336,56 @@ TEST_F(LevelLoop, ContactThatOutgrowsItsPatchGetsMoreCellsOfTheSameSize) {
 TEST_F(LevelLoop, ContactThatOutgrowsItsPatchIsAnError) {
   contact.outgrows = true;
   EXPECT_THROW(solve(), ConvergenceError);
+}
+
+TEST_F(LevelLoop, ContactWhoseOutlineLeavesItsPatchGetsALargerOne) {
+  const double usual = LayerDiscretisation().patch;
+  contact.patch_for_outline = 1.2 * usual;
+  ASSERT_TRUE(solve());
+  EXPECT_NEAR(contact.pressed.back().patch, 1.3 * usual, 0.1 * usual);
+  contact.patch_for_outline = 2 * usual;
+  EXPECT_THROW(solve(), ConvergenceError) << "it grows once";
+}
+
+TEST_F(LevelLoop, LayerThatFoldsIsNoAnswerAndNoError) {
+  contact.patch_that_folds = 0;
+  const Outcome<Result, Unsolved> answer = answered();
+  ASSERT_FALSE(answer);
+  ASSERT_TRUE(std::holds_alternative<FoldedLayer>(answer.reason()));
+  EXPECT_EQ(std::get<FoldedLayer>(answer.reason()).fits, 0.5);
+}
+
+TEST_F(LevelLoop, LayerThatFoldsOnlyUnderALargerPatchIsNoAnswerEither) {
+  const double usual = LayerDiscretisation().patch;
+  contact.patch_for_contact = 1.2 * usual;
+  contact.patch_that_folds = 1.2 * usual;
+  const Outcome<Result, Unsolved> answer = answered();
+  ASSERT_FALSE(answer);
+  EXPECT_TRUE(std::holds_alternative<FoldedLayer>(answer.reason()));
+}
+
+TEST_F(LevelLoop, LoadThatCoarseCellsDoNotBearGetsFinerOnes) {
+  // Trial meshes have three elements, levels four and eight.
+  contact.elements_for_load = 6;
+  ASSERT_TRUE(solve());
+  EXPECT_EQ(contact.pressed.back().elements_per_semi_axis, 16) << "both levels are finer";
+  contact.elements_for_load = 100;
+  EXPECT_THROW(solve(), ConvergenceError);
+}
+
+TEST_F(LevelLoop, FrictionTurnsAboutThePressuresCentre) {
+  contact.centre = {0.1, 0.05};
+  EXPECT_TRUE(solve()) << "without friction any coordinates do";
+  problem.friction.torsion = true;
+  pressing.bent.shape = std::shared_ptr<const LayerShape>(
+      reinterpret_cast<const LayerShape*>(&problem), [](auto*) {});  // never looked at
+  const Outcome<Result, Unsolved> answer = answered();
+  ASSERT_FALSE(answer);
+  ASSERT_TRUE(std::holds_alternative<OffCentre>(answer.reason()));
+  EXPECT_EQ(std::get<OffCentre>(answer.reason()).centre, contact.centre);
+  pressing.bent.centre = contact.centre;
+  pressing.bent.shape = nullptr;
+  EXPECT_TRUE(solve()) << "coordinates that begin elsewhere already are kept";
 }
 
 TEST_F(LevelLoop, SharedMeshesThatDoNotServeAreNoAnswer) {

@@ -1,4 +1,4 @@
-#include "fem/normal_contact.h"
+#include "fem/contact/normal_contact.h"
 
 #include <gtest/gtest.h>
 

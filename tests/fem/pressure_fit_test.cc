@@ -1,4 +1,4 @@
-#include "fem/pressure_fit.h"
+#include "fem/contact/pressure_fit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fem/read_problem.h"
+#include "fem/program/read_problem.h"
 
 #include <gtest/gtest.h>
 

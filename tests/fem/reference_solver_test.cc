@@ -1,11 +1,11 @@
-#include "fem/reference_solver.h"
+#include "fem/program/reference_solver.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdio>
 
-#include "fem/model_cache.h"
+#include "fem/linear/model_cache.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -43,7 +43,7 @@ Problem circular_problem(const CircularLayer& layer, Expected& expected) {
 }
 
 /// Asserts that the true error lies inside the stated one, and prints both: this is the accuracy
-/// table of fem/README.md.
+/// table of docs/measurements/finite_elements.md.
 void expect_inside(double value, double truth, double stated, const char* what) {
   std::printf("  %-8s error %+8.4f %%   stated %7.4f %%\n", what, 100 * (value / truth - 1),
               100 * stated);
@@ -384,7 +384,7 @@ TEST(ReferenceSolver, TellsTheLoadThatPressesALayerThrough) {
   EXPECT_THROW(solve(problem, quiet), InputError);
   // What small strain refuses is answered at finite strain.
   problem.contact.load.normal_force_N = 8;
-  problem.finite_strain = finite::MaterialChoice();
+  problem.finite_strain = MaterialChoice();
   EXPECT_LT(solve(problem, quiet).finest.indentation_m, problem.contact.layer.thickness_m);
 }
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "fem/friction_bound.h"
-#include "fem/reference_solver.h"
+#include "fem/friction/friction_bound.h"
+#include "fem/program/reference_solver.h"
 #include "softfinger/friction/shear_surface.h"
 
 namespace softfinger::fem {

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "fem/surface_frame.h"
+#include "fem/layer/surface_frame.h"
 
 namespace softfinger::fem {
 namespace {

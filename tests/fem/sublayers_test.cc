@@ -7,11 +7,11 @@
 #include <filesystem>
 #include <vector>
 
+#include "fem/contact/normal_contact.h"
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/finite_pressing.h"
-#include "fem/layer_model.h"
-#include "fem/normal_contact.h"
-#include "fem/reference_solver.h"
+#include "fem/layer/layer_model.h"
+#include "fem/program/reference_solver.h"
 #include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
 #include "tests/fem/layer_mesh_file.h"
@@ -306,9 +306,9 @@ TEST(Sublayers, AreRegionsOfAMeshFromOutsideAtFiniteStrain) {
   compare(outside.equilibrium().load, coarse.equilibrium().load, fine.equilibrium().load, "load");
   compare(outside.equilibrium().energy, coarse.equilibrium().energy, fine.equilibrium().energy,
           "energy");
-  const finite::DeformedContact found = measure(outside, 1), expected = measure(fine, 1);
+  const finite::DeformedContact found = *measure(outside, 1), expected = *measure(fine, 1);
   EXPECT_NEAR(found.torque_arm / expected.torque_arm, 1,
-              2 * std::abs(measure(coarse, 1).torque_arm / expected.torque_arm - 1) + 1e-3);
+              2 * std::abs(measure(coarse, 1)->torque_arm / expected.torque_arm - 1) + 1e-3);
   // As stated for contacts whose area is that of touching nodes: 0.2/n.
   EXPECT_NEAR(found.area / expected.area, 1, 0.2 / 3);
 }

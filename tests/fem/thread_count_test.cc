@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "fem/reference_solver.h"
-#include "fem/result_json.h"
-#include "fem/threads.h"
+#include "fem/base/threads.h"
+#include "fem/program/reference_solver.h"
+#include "fem/program/result_json.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/surfaces.h"
 #include "softfinger/input/errors.h"
@@ -78,7 +78,7 @@ Problem with_friction(Problem problem) {
 }
 
 Problem at_finite_strain(Problem problem) {
-  problem.finite_strain = finite::MaterialChoice();
+  problem.finite_strain = MaterialChoice();
   return problem;
 }
 

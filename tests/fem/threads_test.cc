@@ -1,4 +1,4 @@
-#include "fem/threads.h"
+#include "fem/base/threads.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "fem/ordered_progress.h"
+#include "fem/base/ordered_progress.h"
 
 namespace softfinger::fem {
 namespace {

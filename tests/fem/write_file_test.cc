@@ -1,4 +1,4 @@
-#include "fem/write_file.h"
+#include "fem/base/write_file.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

@@ -5,7 +5,10 @@
 # The arrows go one way, towards what is depended on:
 #   input <- math <- friction, layer <- fft <- pressure <- calibration;  input, math <- geometry;
 #   all of these <- dynamics, and in it:  contacts <- facets <- exact <- step;  bodies <- step
-#   input <- meshes <- fem
+#   accuracy knows the pressure models and the layer
+#   input <- meshes <- fem, and in it:
+#   base <- algebra <- problem <- layer <- contact <- friction <- output <- levels <- linear <- finite
+#   <- program <- verification, studies
 #   everything <- comparisons, and in it:
 #   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting <- explorer;
 #   judgement <- extremes, experiments, calibration
@@ -37,6 +40,8 @@ may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
             "^softfinger/(math|friction|layer|fft|pressure)/")
 may_include(analytic/softfinger/calibration ${std} ${eigen} "^unsupported/Eigen/" ${input}
             "^softfinger/(math|friction|layer|fft|pressure|calibration)/")
+may_include(analytic/softfinger/accuracy ${std} ${eigen} ${input}
+            "^softfinger/(math|layer|pressure|accuracy)/")
 # What lies below all rooms of the dynamics.
 set(models "^softfinger/(math|geometry|friction|layer|fft|pressure|calibration)/")
 macro(dynamics_room name)
@@ -56,14 +61,32 @@ may_include(analytic/python ${std} ${eigen} "^softfinger/" "^pybind11/" "^analyt
 may_include(analytic ${std} ${eigen} "^softfinger/")
 may_include(meshes ${std} ${posix} ${eigen} ${input} "^meshes/" "^gmsh[.]h" "^nanoflann[.]hpp"
             "^unsupported/Eigen/BVH")
+set(fem_rooms "")
+# fem_room(NAME extra patterns...): a room of fem knows itself and those declared before it.
+macro(fem_room name)
+  list(APPEND fem_rooms ${name})
+  list(JOIN fem_rooms "|" known)
+  may_include(fem/${name} ${std} ${eigen} ${input} "^fem/(${known})/" ${ARGN})
+endmacro()
+set(dealii "^deal[.]II/")
 # Only the program knows JSON, and the file that begins with a line of it.
-foreach(file main.cc read_problem.h read_problem.cc result_json.h result_json.cc write_compliance.cc)
-  may_include(fem/${file} ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^nlohmann/")
-endforeach()
-may_include(fem/studies ${std} ${eigen} ${input} "^meshes/" "^fem/" "^fmt/")
-may_include(fem ${std} ${posix} ${eigen} ${input} "^meshes/" "^fem/" "^deal[.]II/"
-            "^omp[.]h$" "^(suitesparse/)?cholmod[.]h$")
-
+may_include(fem/output/write_compliance.cc ${std} ${eigen} "^fem/(base|friction|output)/" "^nlohmann/")
+fem_room(base ${posix} "^meshes/io/whole_file[.]h$" ${dealii} "^omp[.]h$")
+fem_room(algebra "^(suitesparse/)?cholmod[.]h$")
+fem_room(problem)
+fem_room(layer ${dealii} "^meshes/(generation|scans)/")
+fem_room(contact "^meshes/generation/")
+fem_room(friction)
+fem_room(output ${dealii})
+fem_room(levels "^meshes/generation/")
+fem_room(linear)
+fem_room(finite ${dealii})
+fem_room(program ${posix} "^meshes/" "^nlohmann/")
+may_include(fem/verification ${std} ${posix} ${eigen} ${input} ${dealii} "^meshes/generation/"
+            "^fem/(verification|${known})/")
+may_include(fem/studies ${std} ${eigen} ${input} "^meshes/" "^fmt/" "^fem/(${known})/")
+# Nothing lies loose in the root of fem: such a file may not know any room.
+may_include(fem ${std} ${input})
 
 set(library "^(nlohmann|fmt)/")
 set(rooms "")
@@ -144,9 +167,18 @@ if(SELF_TEST)
       "analytic/softfinger/dynamics/contacts/f.h|softfinger/dynamics/facets/f.h"
       "analytic/softfinger/dynamics/bodies/f.h|softfinger/dynamics/step/f.h"
       "meshes/io/g.cc|softfinger/geometry/g.h"
-      "fem/h.cc|softfinger/pressure/pressure_model.h"
-      "fem/i.h|comparisons/case.h"
-      "fem/j.cc|nlohmann/json.hpp"
+      "analytic/softfinger/accuracy/g.cc|softfinger/calibration/g.h"
+      "fem/levels/h.cc|softfinger/pressure/pressure_model.h"
+      "fem/base/i.h|comparisons/case.h"
+      "fem/levels/j.cc|nlohmann/json.hpp"
+      "fem/base/j.cc|fem/algebra/cholesky.h"
+      "fem/problem/j.h|fem/layer/layer_model.h"
+      "fem/layer/j.cc|fem/output/write_vtu.h"
+      "fem/friction/j.cc|fem/levels/error_model.h"
+      "fem/linear/j.cc|fem/finite/finite_layer.h"
+      "fem/finite/j.cc|fem/program/reference_solver.h"
+      "fem/contact/j.cc|deal.II/grid/tria.h"
+      "fem/j.cc|fem/base/threads.h"
       "comparisons/input/k.h|comparisons/prediction/k.h"
       "comparisons/judgement/atlas/l.cc|comparisons/report/l.h"
       "comparisons/report/m.cc|comparisons/commands/m.h"
@@ -159,7 +191,7 @@ if(SELF_TEST)
          "#include <vector>\n#include \"softfinger/input/errors.h\"\n#include \"${header}\"\n")
     math(EXPR expected "${expected} + 1")
   endforeach()
-  file(WRITE ${SCRATCH_DIRECTORY}/fem/main.cc "#include <nlohmann/json.hpp>\n")
+  file(WRITE ${SCRATCH_DIRECTORY}/fem/program/main.cc "#include <nlohmann/json.hpp>\n")
   find_broken_arrows(${SCRATCH_DIRECTORY} broken files)
   list(LENGTH broken found)
   if(NOT found EQUAL expected)

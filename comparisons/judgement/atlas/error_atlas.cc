@@ -269,9 +269,9 @@ ErrorAtlas::Grid ErrorAtlas::grid_of(AtlasKind kind, double AtlasRun::*second) c
 namespace {
 
 /// Share of the finite elements' stated error that is added to a model's bound. The stated error is
-/// four times the true one in the median (fem/README.md). With this share, leaving out each run of
-/// the atlas and asking its two neighbours in s, 98 % of all errors of `bonded_layer` lie inside;
-/// with a share of 0 73 %, with 1 100 %.
+/// four times the true one in the median (docs/measurements/finite_elements.md).
+/// With this share, leaving out each run of the atlas and asking its two neighbours in s, 98 % of
+/// all errors of `bonded_layer` lie inside; with a share of 0 73 %, with 1 100 %.
 constexpr double kShareOfStated = 0.25;
 
 /// Contacts are placed by a load that is found to round-off.

@@ -6,7 +6,7 @@
 
 #include "comparisons/input/case.h"
 #include "comparisons/prediction/local_geometry.h"
-#include "fem/read_problem.h"
+#include "fem/program/read_problem.h"
 #include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
 #include "tests/fuzz/target.h"

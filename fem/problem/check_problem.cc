@@ -1,0 +1,151 @@
+#include "fem/problem/check_problem.h"
+
+#include <cmath>
+
+#include "fem/base/formatted.h"
+
+namespace softfinger::fem {
+namespace {
+
+/// Longer contacts are nearly lines, which a plane model answers better.
+constexpr double largest_ratio_of_radii = 100;
+/// Thinnest sublayer, over the layer's thickness. In a thinner one the elements could not be as
+/// small as the sublayer is thin everywhere under the contact.
+constexpr double thinnest_sublayer = 0.02;
+/// Values that are given twice differ by the round-off of a change of units only.
+constexpr double agreement = 1e-9;
+
+bool agree(double one, double other) { return std::abs(one / other - 1) < agreement; }
+
+void require_positive(const Problem& problem, double value, const char* field) {
+  if (!(value > 0) || !std::isfinite(value))
+    throw InputError(problem.name, field, value, "> 0 and finite");
+}
+
+void require_range(const Problem& problem, int value, int least, int largest, const char* field,
+                   const char* unit = "") {
+  if (value < least || value > largest)
+    throw InputError(problem.name, field, value, formatted("%d to %d%s", least, largest, unit));
+}
+
+void check_material(const Problem& problem, const ElasticLayer& layer, const std::string& owner) {
+  require_positive(problem, layer.thickness_m, (owner + "thickness_m").c_str());
+  require_positive(problem, layer.youngs_modulus_Pa, (owner + "youngs_modulus_Pa").c_str());
+  if (!(layer.poisson_ratio >= 0 && layer.poisson_ratio <= 0.5))
+    throw InputError(problem.name, owner + "poisson_ratio", formatted("%.9g", layer.poisson_ratio),
+                     "0 <= nu <= 1/2");
+}
+
+void check_load(const Problem& problem) {
+  if (problem.approach_m != 0)
+    require_positive(problem, problem.approach_m, "approach_m");
+  else
+    require_positive(problem, problem.contact.load.normal_force_N, "load_N");
+  const ShearLaw law = problem.friction_law();
+  if (law.has_friction_coefficient())
+    require_positive(problem, law.friction_coefficient, "friction_coefficient");
+  if (law.has_shear_strength())
+    require_positive(problem, law.shear_strength_Pa, "shear_strength_Pa");
+}
+
+void check_radii(const Problem& problem) {
+  const RelativeRadii& radii = problem.contact.radii;
+  require_positive(problem, radii.major_m, "R'");
+  require_positive(problem, radii.minor_m, "R''");
+  if (radii.major_m < radii.minor_m)
+    throw InputError(problem.name, "R'", radii.major_m, "R' >= R''");
+  const double ratio = radii.major_m / radii.minor_m;
+  // A scan's contact ends where it ends: its radii are but the first guess.
+  if (!problem.fingertip.scan && ratio > largest_ratio_of_radii * (1 + agreement))
+    throw InputError(problem.name, "R'/R''", ratio,
+                     formatted("at most %g for finite elements; longer contacts need a plane model",
+                               largest_ratio_of_radii));
+  if (std::isfinite(problem.sphere_radius_m) && !(agree(problem.sphere_radius_m, radii.major_m) &&
+                                                  agree(problem.sphere_radius_m, radii.minor_m)))
+    throw InputError(
+        problem.name, "sphere_radius_m", formatted("%g", problem.sphere_radius_m),
+        "the relative radii's own value, both of them (an exact sphere on a flat layer)");
+}
+
+void check_sublayers(const Problem& problem) {
+  if (problem.sublayers.empty()) return;
+  const double thickness_m = problem.contact.layer.thickness_m;
+  double depth_m = 0;
+  for (const Sublayer& sublayer : problem.sublayers) {
+    check_material(problem, sublayer.layer, "sublayer's ");
+    if (sublayer.layer.thickness_m < thinnest_sublayer * thickness_m)
+      throw InputError(problem.name, "sublayer's thickness_m",
+                       formatted("%g", sublayer.layer.thickness_m),
+                       formatted("at least %g %% of all of them, %g", 100 * thinnest_sublayer,
+                                 thinnest_sublayer * thickness_m));
+    depth_m += sublayer.layer.thickness_m;
+  }
+  if (std::abs(depth_m / thickness_m - 1) > agreement)
+    throw InputError(problem.name, "sublayers' thickness_m", formatted("%.9g in sum", depth_m),
+                     formatted("the layer's, %.9g", thickness_m));
+}
+
+void check_geometry(const Problem& problem) {
+  if (problem.contact.has_object_layer())
+    throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
+  if (problem.fingertip && problem.mesh)
+    throw InputError(problem.name, "mesh of the layer", problem.mesh_name,
+                     "a mesh or a curved finger, not both");
+}
+
+void check_compliance_file(const Problem& problem) {
+  if (problem.compliance_file.empty()) return;
+  const auto refuse = [&](const char* allowed) {
+    throw InputError(problem.name, "compliance_file", problem.compliance_file, allowed);
+  };
+  if (!problem.sublayers.empty()) refuse("a homogeneous layer: the file's head has one E and nu");
+  if (problem.fingertip || problem.mesh)
+    refuse("geometry = \"flat\": a curved layer's compliance has other normals at each point");
+  if (problem.finite_strain) refuse("none with finite strain, where it changes with the load");
+}
+
+void check_friction(const Problem& problem) {
+  const FrictionRequest& friction = problem.friction;
+  if (friction.torsion) require_range(problem, friction.increments, 1, 1000, "torsion_increments");
+  require_range(problem, friction.limit_surface, 0, 10000, "limit_surface", " points");
+  require_range(problem, friction.increments_to_slip, 0, 1000, "increments_to_slip");
+}
+
+/// Refuses requests that the finite-strain solver cannot serve.
+void check_finite_strain(const Problem& problem) {
+  if (problem.approach_m >= problem.contact.layer.thickness_m)
+    throw InputError(problem.name, "approach_m", problem.approach_m,
+                     "less than the layer's thickness, which would be pressed through");
+}
+
+}  // namespace
+
+void check_problem(const Problem& problem) {
+  check_radii(problem);
+  check_material(problem, problem.contact.layer, "");
+  check_load(problem);
+  check_geometry(problem);
+  check_sublayers(problem);
+  check_compliance_file(problem);
+  check_friction(problem);
+  require_range(problem, problem.level, 1, 4, "level");
+  if (problem.finite_strain) check_finite_strain(problem);
+}
+
+InputError too_much(const Problem& problem, const std::string& allowed) {
+  if (problem.approach_m > 0) return {problem.name, "approach_m", problem.approach_m, allowed};
+  return {problem.name, "load_N", formatted("%g", problem.contact.load.normal_force_N), allowed};
+}
+
+void check_twist_axis(const Problem& problem, const LevelResult& contact) {
+  const FrictionRequest& request = problem.friction;
+  const double axis =
+      std::hypot(request.twist_axis_x_m / contact.a_m, request.twist_axis_y_m / contact.b_m);
+  if (axis < 1) return;
+  throw InputError(problem.name, "twist_axis_m",
+                   formatted("%.4g, %.4g", request.twist_axis_x_m, request.twist_axis_y_m),
+                   formatted("a point of the contact, whose semi-axes are %.4g and %.4g m",
+                             contact.a_m, contact.b_m));
+}
+
+}  // namespace softfinger::fem
