@@ -40,7 +40,8 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.fallthrough();  // of each command, too
   app.footer(
-      "Exit status: 0 done, 1 a comparison fell short or nothing usable to write, 2 bad input, 3 the numerics did not "
+      "Exit status: 0 done, 1 a comparison fell short or nothing usable to write, 2 bad input, 3 "
+      "the numerics did not "
       "converge.\n"
       "Results go to standard output, messages and progress to standard error.\n"
       "Colours on terminals only; NO_COLOR in the environment turns them off, CLICOLOR_FORCE on.\n"

@@ -284,17 +284,17 @@ class Units(unittest.TestCase):
 
     def test_every_number_with_a_unit_has_its_usual_range(self):
         for name, low, high in (
-            ("normal_force_N", 1e-3, 1e4),
+            ("normal_force_N", 1e-4, 1e4),
             ("youngs_modulus_Pa", 1e3, 1e9),
             ("thickness_m", 1e-5, 0.1),
-            ("radius_major_m", 1e-4, 1),
-            ("radius_minor_m", 1e-4, 1),
+            ("radius_major_m", 5e-5, 10),
+            ("radius_minor_m", 5e-5, 10),
         ):
-            radii = {"radius_major_m": 1.0, "radius_minor_m": 1e-4}
+            radii = {"radius_major_m": 10.0, "radius_minor_m": 5e-5}
             for usual in (low, high):
                 self.assertEqual(self.warned(**{**radii, name: usual})[1], [], name)
             if name == "radius_minor_m":
-                radii["radius_major_m"] = 2.0
+                radii["radius_major_m"] = 20.0
             for odd in (0.99 * low, 1.01 * high):
                 if name == "radius_major_m" and odd < low:
                     radii["radius_minor_m"] = odd
