@@ -31,8 +31,8 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-/// What names the same contact in a command: the file, a built-in case by its name, and the values
-/// that were typed in place of the file's.
+/// The words that name the same contact in a command: the file, or a built-in case by its name, and
+/// the values that were typed in place of the file's.
 std::string as_typed(const input::Case& contact_case) {
   const auto known = system::builtin_case_files();
   std::error_code missing;

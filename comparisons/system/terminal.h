@@ -22,7 +22,8 @@ std::string with_colours(const std::string& visible);
 /// The text with longer lines broken at spaces, so that each fits the terminal that standard output
 /// is; as it is where that is none. What follows a break is indented by four columns more.
 std::string within_terminal(const std::string& text);
-/// The same for a terminal of so many columns, at least 20.
+/// Breaks the lines as `within_terminal` does, for a given width.
+/// @param columns  at least 20
 std::string within_columns(const std::string& text, std::size_t columns);
 
 /// A line for standard error with its first words in colour: red for an error, yellow otherwise.

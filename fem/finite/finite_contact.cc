@@ -435,7 +435,7 @@ class FiniteContact : public ContactPhysics {
     coarser.elements_per_semi_axis *= own.elements_per_semi_axis / usual.elements_per_semi_axis;
     coarser.patch *= own.patch / usual.patch;
     if (!coarser.is_within_reach()) return nullptr;
-    // What the finer mesh bears the coarser one need not.
+    // The coarser mesh can fold in a shape in which the finer one does not.
     Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> layer =
         FiniteLayer::made(coarser, task_.pressing.bent.shape, no_plane, materials_);
     if (!layer) return nullptr;

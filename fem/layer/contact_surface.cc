@@ -73,7 +73,7 @@ class SurfaceBuilder {
     find_dofs_of_nodes();
     for (SurfaceNode& node : space_.nodes) {
       node.normal.normalize();
-      // As in the block, the weight is an area seen along the load.
+      // The weight is an area seen along the load, as it is for nodes of the block.
       node.area_ratio = 1 / node.normal.z();
       node.weight *= node.normal.z();
     }

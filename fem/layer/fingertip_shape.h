@@ -35,8 +35,8 @@ struct FingertipShape {
   /// the object about it, and torques are about it.
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();
 
-  /// The same shape in coordinates that begin elsewhere.
-  /// @param place  seen from where they begin here
+  /// This shape in coordinates with another origin.
+  /// @param place  the new origin in the present coordinates
   FingertipShape seen_from(const Eigen::Vector2d& place) const;
 };
 

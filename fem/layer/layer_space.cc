@@ -27,8 +27,8 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant,
                        const std::shared_ptr<const LayerShape>& bent, MirrorPlanes mirrored)
     : discretisation(meant), element(dealii::FE_Q<dim>(2), dim), shape(bent), planes(mirrored) {
   std::vector<dealii::Point<dim>> support;
-  // Where cells under the contact fold or do not fit between it and an edge, cells half as long
-  // may.
+  // If cells under the contact fold, or do not fit between the contact and an edge, cells of half
+  // the length may still do.
   constexpr double usual = 1, half = 0.5;
   Left left = mesh_block(usual, bent, support);
   if (left == Left::part && mesh_block(half, bent, support) == Left::nothing)
@@ -123,8 +123,8 @@ std::pair<long, long> column_at(double x, double y) {
 
 }  // namespace
 
-/// Cells where the shape ends are no part of the mesh, nor islands beyond them.
-/// Those that reach over the finger's edge are missed under the contact.
+/// Removes the cells that reach over the finger's edge, and those that this cuts off from the rest.
+/// The result says whether the contact lost any of its cells.
 LayerSpace::Left LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) const {
   meshes::HexahedralMesh covered;
   covered.vertices = block.vertices;

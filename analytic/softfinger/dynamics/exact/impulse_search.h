@@ -33,9 +33,10 @@ class ImpulseSearch {
   /// From normal impulses `normal(contact)` alone, by a few of Gauss-Seidel's sweeps.
   template <class Normal>
   void start_from(const Normal& normal, int sweeps);
-  /// From `impulse`, which may be far away, by proximal points, then by Newton's method.
+  /// Solves from `impulse`, which may be far from the solution: proximal points first, then
+  /// Newton's method.
   void approach(const Task& task, int most_iterations, Effort effort);
-  /// From `impulse` by Newton's method.
+  /// Solves from `impulse`, which must be near the solution, by Newton's method.
   void polish(const Task& task, Effort effort);
   struct Corrected {
     bool is_good = false;

@@ -344,7 +344,7 @@ double FacetSolver::complete(const Task& task) {
     if (system_.contact_operator().has_friction(i) && solution.impulse[4 * i] > 0) continue;
     solution.slip[i] = std::max(0., -least_along_[i]);
   }
-  // As `contact_residual`, several times faster where there are many vertices.
+  // This is what `contact_residual` computes, several times faster where there are many vertices.
   return residual_of(task.problem, *given_vertices_, solution, least_along_);
 }
 
