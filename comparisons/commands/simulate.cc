@@ -78,10 +78,12 @@ nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
                        {"strain", contact.strain},
                        {"size", contact.size},
                        {"load_N", contact.load_N}});
+  std::string verdict = report::in_words(hold, recording, tracks);
+  if (verdict.empty()) verdict = fmt::format("No contact carries a load in {:.4g} s.", last.time_s);
   return {{"scene", scene.id},
           {"unknown_errors", unknown},
           {"hold", report::to_json(hold, recording, tracks)},
-          {"verdict", report::in_words(hold, recording, tracks)},
+          {"verdict", verdict},
           {"steps", run.steps},
           {"simulated_s", last.time_s},
           {"wall_s", run.wall_s},
@@ -102,16 +104,16 @@ nlohmann::json to_json(const Simulation& run, const input::Scene& scene) {
 
 std::string summary(const nlohmann::json& result) {
   const auto number = [&](const char* key) { return result.at(key).get<double>(); };
-  const std::string verdict = result["verdict"].get<std::string>();
-  std::string text = verdict.empty() ? "" : verdict + "\n";
-  text += fmt::format(
-      "{}: {} steps, {:.4g} s simulated in {:.3g} s: {:.0f} steps/s (median {:.3g} ms, 99 % below "
+  std::string text = fmt::format(
+      "{}\n{}: {} steps, {:.4g} s simulated in {:.3g} s: {:.0f} steps/s (median {:.3g} ms, 99 % "
+      "below "
       "{:.3g} ms)\n"
       "  largest residual {:.1e}; up to {} contacts; e_n and load agree to {:.1e} after at most {} "
       "rounds; {} quadric fits\n",
-      result["scene"].get<std::string>(), result["steps"].get<int>(), number("simulated_s"),
-      number("wall_s"), number("steps_per_s"), number("step_ms_p50"), number("step_ms_p99"),
-      number("max_residual"), result["most_contacts"].get<int>(), number("load_disagreement"),
+      result["verdict"].get<std::string>(), result["scene"].get<std::string>(),
+      result["steps"].get<int>(), number("simulated_s"), number("wall_s"), number("steps_per_s"),
+      number("step_ms_p50"), number("step_ms_p99"), number("max_residual"),
+      result["most_contacts"].get<int>(), number("load_disagreement"),
       result["load_iterations"].get<int>(), result["quadric_fits"].get<int>());
   for (const auto& unknown : result["unknown_errors"])
     text += unknown["in_words"].get<std::string>() + "\n";

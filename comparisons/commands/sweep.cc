@@ -2,6 +2,7 @@
 
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
+#include "comparisons/commands/demand_input.h"
 #include "comparisons/suite/compare.h"
 #include "comparisons/sweep/run_sweep.h"
 #include "comparisons/system/files.h"
@@ -15,6 +16,7 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
     std::vector<std::string> settings;
     int jobs = suite::default_job_count();
     bool json = false;
+    DemandInput demand;
     reference::FemLimits fem_limits;
   };
   auto options = std::make_shared<Options>();
@@ -36,6 +38,7 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
       ->check(CLI::Range(1, 64));
   command->add_flag("--json", options->json,
                     "number of rows and paths as one JSON object on standard output");
+  add_demand(*command, options->demand);
   add_fem_limits(*command, options->fem_limits);
   command->footer(
       "[sweep] names numbers of the case and their values; several keys make the product:\n"
@@ -56,7 +59,7 @@ void add_sweep(CLI::App& app, Action& action, const std::string& command_line) {
       const auto file = system::find_sweep_file(options->file);
       const sweep::SweepPlan plan(sweep::read_sweep_text(file), input::name_of_typed(file),
                                   options->output, options->fem_limits,
-                                  settings_of(options->settings));
+                                  settings_of(options->settings), options->demand.demand());
       sweep::LocalWorkers workers(options->jobs);
       return sweep::run_sweep(plan, workers, command_line, options->json);
     };

@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 
+#include "comparisons/commands/demand_input.h"
 #include "comparisons/commands/typed_words.h"
 #include "comparisons/distributed/rank_pool.h"
 #include "comparisons/judgement/atlas/make_atlas.h"
@@ -32,6 +33,7 @@ struct Options {
   bool finite_strain = false;
   int random = 0;
   unsigned seed = 1;
+  commands::DemandInput demand;
   reference::FemLimits fem_limits;
 };
 
@@ -142,7 +144,7 @@ int sweep_on_ranks(const Options& options, int rank) {
   input::Settings settings;
   for (const std::string& typed : options.settings) settings.push_back(input::parse_setting(typed));
   const sweep::SweepPlan plan(text, input::name_of_typed(file), options.output, options.fem_limits,
-                              settings);
+                              settings, options.demand.demand());
   const RankTask work = [&](long task) {
     return or_end_all([&] {
       if (plan.sweep.fem()) return do_fem_job(plan.fem.jobs[std::size_t(task)], plan.fem.settings);
@@ -234,6 +236,7 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
       "Samples:\n"
       "  mpirun -np 64 softfinger-sweep my_sweep.toml --output my_sweep\n"
       "  mpirun -np 64 softfinger-sweep --atlas error_atlas.csv --output atlas_runs");
+  commands::add_demand(app, options.demand);
   commands::prepare_options(app);
   try {
     app.parse(argument_count, arguments);

@@ -51,12 +51,18 @@ void require_each_key_once(const Settings& settings) {
   for (std::size_t i = 0; i < settings.size(); ++i) {
     // A key that is no path is refused where it is applied.
     const std::vector<std::string> steps = steps_of(settings[i].key);
-    for (std::size_t j = 0; j < i && !steps.empty(); ++j)
-      if (steps == steps_of(settings[j].key))
+    for (std::size_t j = 0; j < i && !steps.empty(); ++j) {
+      const std::vector<std::string> others = steps_of(settings[j].key);
+      // A table and a number within it: the later one of both could undo the other.
+      const std::size_t common = std::min(steps.size(), others.size());
+      if (common > 0 &&
+          std::equal(steps.begin(), steps.begin() + std::ptrdiff_t(common), others.begin()))
         throw InputError("command line",
                          settings[j].where + " and " + settings[i].where + " both say what " +
-                             settings[i].key + " is",
+                             (steps.size() > others.size() ? settings[i].key : settings[j].key) +
+                             " is",
                          "", "one of them");
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "softfinger/accuracy/error_bound.h"
 
@@ -23,5 +24,8 @@ struct Demand {
     return worst_of(errors, quantities) <= tolerance;
   }
 };
+
+/// "within 10 %", or "within 5 % in a, area" of other than the usual quantities.
+std::string in_words(const Demand& demand);
 
 }  // namespace softfinger::prediction

@@ -167,6 +167,7 @@ struct Table {
   std::vector<std::string> failures;
   std::size_t rows = 0;
   std::string leading_model;
+  std::string usable;  ///< what usable answers are: "within 10 %"
 };
 
 Source source_of(const Columns& columns, const std::string& name) {
@@ -222,6 +223,7 @@ Table table_of(const Json& sweep) {
     table.variables.push_back(std::move(load));
   }
   table.leading_model = text(sweep, "leading_model");
+  table.usable = text(sweep, "usable");
   for (const Json& model : child(sweep, "models")) {
     const std::string name = text(model, "name");
     if (name.empty()) continue;
@@ -352,8 +354,8 @@ Html finding_of_models(const Table& table) {
       parts.push_back(html("{} {}", kQuantities[i].words,
                            range_text(range.least, range.largest, kQuantities[i].unit)));
   }
-  return html("By {}, usable in {} of {}: {}.", label(model->name), grouped(double(usable)),
-              count_text(double(answered), "row", "rows"), listed(parts));
+  return html("By {}, usable ({}) in {} of {}: {}.", label(model->name), table.usable,
+              grouped(double(usable)), count_text(double(answered), "row", "rows"), listed(parts));
 }
 
 Html loads_text(const Json& sweep) {

@@ -133,6 +133,8 @@ json identity_of(const SweepPlan& plan, const std::string& header) {
           {"sweep_toml", plan.sweep.text()},
           {"files", contents_of(plan.sweep.base())},
           {"rows", plan.sweep.rows()},
+          {"tolerance", plan.demand.tolerance},
+          {"quantities", plan.demand.quantities},
           {"columns", header}};
 }
 
@@ -254,6 +256,7 @@ void write_page(const SweepPlan& plan, const LeadingModel& lead, const std::stri
                {"keys", keys},
                {"models", models},
                {"leading_model", lead.name},
+               {"usable", prediction::in_words(plan.demand)},
                {"fem", plan.sweep.fem()},
                {"loads_N", base.loads_N},
                {"points", plan.sweep.points()},
@@ -310,11 +313,12 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
 
 SweepPlan::SweepPlan(const std::string& sweep_text, const fs::path& sweep_file,
                      const fs::path& output_folder, const reference::FemLimits& limits,
-                     const input::Settings& settings)
+                     const input::Settings& settings, const prediction::Demand& demanded)
     : file(sweep_file),
       output(output_folder),
       sweep(sweep_text, file, settings),
       models(sweep_models(sweep)),
+      demand(demanded),
       geometry(sweep.base()) {
   if (!sweep.fem()) return;
   const fs::path program = system::fem_program();
@@ -401,10 +405,10 @@ int answer(const SweepPlan& plan, const LeadingModel& lead, std::size_t failed, 
   } else {
     const std::string torque =
         lead.name.empty()
-            ? "no model is usable in any row"
-            : fmt::format("torque {:.3g} to {:.3g} mN·m by {}, usable in {} of {} rows",
+            ? fmt::format("no model is usable ({}) in any row", prediction::in_words(plan.demand))
+            : fmt::format("torque {:.3g} to {:.3g} mN·m by {}, usable ({}) in {} of {} rows",
                           1e3 * lead.least_torque_Nm, 1e3 * lead.largest_torque_Nm, lead.name,
-                          lead.usable, plan.sweep.rows());
+                          prediction::in_words(plan.demand), lead.usable, plan.sweep.rows());
     system::write_text_to_stdout(
         fmt::format("{}: {}\nRows: {}\nPage: {}\n", base.id, torque, rows, page));
   }

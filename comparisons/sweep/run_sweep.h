@@ -17,14 +17,15 @@ struct SweepPlan {
   /// @throws InputError
   SweepPlan(const std::string& text, const std::filesystem::path& file,
             const std::filesystem::path& output, const reference::FemLimits& limits,
-            const input::Settings& settings = {});
+            const input::Settings& settings = {}, const prediction::Demand& demand = {});
 
   /// Makes rows; one for each thread.
-  SweepRows rows() const { return SweepRows(sweep, models, geometry); }
+  SweepRows rows() const { return SweepRows(sweep, models, geometry, demand); }
 
   std::filesystem::path file, output;
   Sweep sweep;
   std::vector<const PressureModel*> models;
+  prediction::Demand demand;  ///< decides the columns `..._usable`
   prediction::GeometryResolver geometry;
   SweepFemJobs fem;  ///< empty without finite elements
 };

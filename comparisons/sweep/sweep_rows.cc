@@ -85,8 +85,8 @@ std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
 }
 
 SweepRows::SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
-                     const prediction::GeometryResolver& geometry)
-    : sweep_(sweep), models_(models), geometry_(geometry), cases_(sweep) {}
+                     const prediction::GeometryResolver& geometry, const prediction::Demand& demand)
+    : sweep_(sweep), models_(models), geometry_(geometry), demand_(demand), cases_(sweep) {}
 
 std::string SweepRows::header() const {
   std::string text = "point";
@@ -154,10 +154,9 @@ void SweepRows::append(std::size_t point, const SweepFemJobs* fem,
              {prediction.a_m, prediction.b_m, prediction.indentation_m, prediction.peak_pressure_Pa,
               prediction.area_m2(), ellipsoid.max_torque_Nm()})
           append_number(value, text);
-        const bool usable =
-            judgement::assess_numbers(contact_case, geometry, answer, prediction::TorqueRule::exact,
-                                      prediction::Demand{})
-                .usable;
+        const bool usable = judgement::assess_numbers(contact_case, geometry, answer,
+                                                      prediction::TorqueRule::exact, demand_)
+                                .usable;
         text += usable ? ",yes" : ",no";
       }
       std::string failure;

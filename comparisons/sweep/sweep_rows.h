@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/quantity.h"
 #include "comparisons/reference/fem_jobs.h"
 #include "comparisons/sweep/sweep_file.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -29,8 +30,9 @@ struct SweepFemJobs {
 class SweepRows {
  public:
   /// @param geometry  of `sweep.base()`, with the meshes that have been read
+  /// @param demand    what an answer has to meet to be usable
   SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
-            const prediction::GeometryResolver& geometry);
+            const prediction::GeometryResolver& geometry, const prediction::Demand& demand);
 
   /// "point,layer.thickness_mm,...,load_N,radius_major_m,...", with a line break at the end.
   std::string header() const;
@@ -59,6 +61,7 @@ class SweepRows {
   const Sweep& sweep_;
   std::vector<const PressureModel*> models_;
   const prediction::GeometryResolver& geometry_;
+  prediction::Demand demand_;
   Sweep::Cases cases_;
   std::vector<double> values_;
 };

@@ -160,6 +160,9 @@ TEST_F(CommandLine, RefusesAValueThatIsTypedTwice) {
   expect_refusal({"predict", "seed_thumb", "--set", "geometry.finger.radii_mm[0]=9", "--set",
                   "geometry.finger.radii_mm.0=8"},
                  {"one of them"});
+  expect_refusal({"predict", "seed_thumb", "--set", "geometry.finger.unit=mm", "--set",
+                  "geometry.finger={radii_mm=[9,8]}"},
+                 {"both say what geometry.finger is"});
   expect_refusal({"simulate", "pinch", "--set", "body[0].mass_g=6", "--set", "body[0].mass_g=7"},
                  {"one of them"});
 }

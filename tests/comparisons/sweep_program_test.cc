@@ -70,6 +70,30 @@ TEST_F(SweepProgram, WritesARowPerPointAndLoadAsPredictHasThem) {
     EXPECT_NEAR(std::stod(row[12 + i]) / expected[keys[i]].get<double>(), 1, 1e-9) << keys[i];
 }
 
+TEST_F(SweepProgram, JudgesByTheDemandAndNotByRowsOfAnother) {
+  write_sweep(kThicknesses);
+  const auto usable = [&](const std::vector<std::string>& demand) {
+    std::vector<std::string> words = {"sweep", (folder.path() / "sweep.toml").string(), "--output",
+                                      output.string()};
+    words.insert(words.end(), demand.begin(), demand.end());
+    const ProgramRun run = run_softfinger(start, words);
+    EXPECT_EQ(run.status, 0) << run.err;
+    const std::string rows = file_text(output / "results.csv");
+    std::ptrdiff_t count = 0;
+    for (std::size_t at = 0; (at = rows.find(",yes", at)) != std::string::npos; ++at) ++count;
+    return std::pair(count, run.out);
+  };
+  const auto [usual, usual_line] = usable({});
+  EXPECT_TRUE(contains(usual_line, "usable (within 10 %) in ")) << usual_line;
+  EXPECT_GT(usual, 0);
+  EXPECT_EQ(usable({"--tolerance", "10"}).first, 24) << "each model in each row";
+  const auto [strict, strict_line] = usable({"--tolerance", "1e-6", "--quantities", "max_torque"});
+  EXPECT_EQ(strict, 0);
+  EXPECT_TRUE(contains(strict_line, "no model is usable (within 0.0001 % in max_torque)"))
+      << strict_line;
+  EXPECT_EQ(usable({}).first, usual);
+}
+
 TEST_F(SweepProgram, DoesNotDependOnTheNumberOfThreads) {
   write_sweep("\"layer.thickness_mm\" = { from = 1, to = 6, steps = 4000 }\n");
   ASSERT_EQ(sweep("1").status, 0);

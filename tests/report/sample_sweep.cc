@@ -95,6 +95,7 @@ class SampleSweep {
     sweep_ = {
         {"id", id},
         {"question", "What does the <layer> do?"},
+        {"usable", "within 10 %"},
         {"keys", described},
         {"models", names},
         {"fem", fem_},

@@ -36,7 +36,7 @@ TEST(SweepPage, SaysFirstWhatWasSweptAndHowFarTheAnswersVary) {
        {"Swept were thickness 0.5 to 5 mm (10 values, log) at 1, 2 and 5 N: 10 points, 30 rows; "
         "30 rows have an answer, 0 failed.",
         // 2 mN·m (h/mm)^(1/2) P/N from 0.5 mm and 1 N to 5 mm and 5 N.
-        "By Bonded layer, usable in 30 of 30 rows: largest torque 1.41 to 22.4 mN·m",
+        "By Bonded layer, usable (within 10 %) in 30 of 30 rows: largest torque 1.41 to 22.4 mN·m",
         "a 2.26 to 7.16 mm"})
     EXPECT_TRUE(contains(text, part)) << part;
 }

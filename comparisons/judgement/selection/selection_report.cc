@@ -137,16 +137,8 @@ json causes(const input::Case& contact_case, const SelectionOptions& options,
 
 std::string limits_in_words(const SelectionOptions& options) {
   std::string words;
-  if (options.demand.quantities != kUsualQuantities) {
-    words = "The tolerance holds for ";
-    const char* separator = "";
-    for (std::size_t q = 0; q < kQuantities; ++q)
-      if (options.demand.quantities[q]) {
-        words += separator + std::string(kQuantityNames[q]);
-        separator = ", ";
-      }
-    words += ". ";
-  }
+  if (options.demand.quantities != kUsualQuantities)
+    words = "Usable is what is " + prediction::in_words(options.demand) + ". ";
   if (options.budget_us > 0)
     words += fmt::format("At most {} per answer. ", duration_text(options.budget_us));
   if (!options.models.empty()) {
