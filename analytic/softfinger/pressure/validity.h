@@ -189,9 +189,10 @@ inline ValidityCheck not_representable() noexcept {
 /// overflowed, underflowed or lost digits to subnormal numbers is not passed on.
 inline Prediction finite_or_no_answer(const Prediction& prediction,
                                       const ContactProblem& problem) noexcept {
+  // An area is larger by 1e6 in mm².
+  constexpr double kLargest = 1e-6 * std::numeric_limits<double>::max();
   const auto normal = [](double value) {
-    return value >= std::numeric_limits<double>::min() &&
-           value <= std::numeric_limits<double>::max();
+    return value >= std::numeric_limits<double>::min() && value <= kLargest;
   };
   bool representable =
       normal(prediction.a_m) && normal(prediction.b_m) && normal(prediction.area_m2()) &&
