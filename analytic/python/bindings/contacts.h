@@ -11,8 +11,9 @@
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
 
-/// What several bindings share. The package in Python checks ranges and makes shapes agree before
-/// it calls these: here all arrays are one-dimensional, contiguous and of one length.
+/// Conversions that several bindings share. The Python package checks ranges and broadcasts shapes
+/// before it calls the bindings: all arrays here are one-dimensional, contiguous and of equal
+/// length.
 namespace softfinger::python {
 
 namespace py = pybind11;

@@ -24,7 +24,7 @@ py::list models() {
   return cards;
 }
 
-/// Of each contact the place of its recommended model in `models()`.
+/// Returns each contact's recommended model as an index into `models()`.
 py::array_t<int> default_models(const py::dict& numbers) {
   const Contacts contacts(numbers);
   const std::vector<const PressureModel*>& all = all_pressure_models();
@@ -75,7 +75,7 @@ py::dict predict(const std::optional<std::string>& name, const py::dict& numbers
   return result;
 }
 
-/// Of one contact: what the model assumes, and whether it holds.
+/// Returns the validity checks of one contact: each assumption of the model and whether it holds.
 py::list checks(const std::string& name, const py::dict& numbers) {
   py::list result;
   for (const ValidityCheck& check :

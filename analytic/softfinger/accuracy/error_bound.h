@@ -8,7 +8,7 @@
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/pressure/pressure_model.h"
 
-/// How far a model's answer is from the finger itself: curved, at finite strain.
+/// Errors of a model's answer against the real finger, which is curved and at finite strain.
 namespace softfinger {
 
 /// In this order, as everywhere: a, b, indentation, area, peak pressure, largest torque.
@@ -30,7 +30,7 @@ inline double worst_of(const BoundedErrors& errors,
   return worst;
 }
 
-/// What an expected error consists of.
+/// Causes into which an expected error is split.
 enum class ErrorCause {
   model,     ///< against a flat layer in linear theory
   strain,    ///< of the layer
@@ -39,11 +39,11 @@ enum class ErrorCause {
 };
 constexpr std::size_t kErrorCauses = 4;
 
-/// What is known of a model's errors. Plain numbers: no allocation.
+/// Expected errors of a model at one contact and their bounds. Plain numbers: no allocation.
 struct ErrorBound {
   bool known = false;
   BoundedErrors expected{};  ///< signed: the model's answer over the finger's, less 1
-  /// The same by `ErrorCause`; their sum is `expected`.
+  /// Contribution of each `ErrorCause` to the expected errors; they add up to `expected`.
   std::array<BoundedErrors, kErrorCauses> causes{};
   BoundedErrors bound{};     ///< of the size of the error, in 95 % of all contacts
   const char* outside = "";  ///< why nothing is known, in words
@@ -58,7 +58,7 @@ struct ErrorBound {
 /// Costs a prediction of `fingertip_layer` and a little. Never throws, never allocates.
 ErrorBound error_bound(const ContactProblem& problem, const Prediction& prediction) noexcept;
 
-/// The same; asks the model first.
+/// Returns the errors of the model's own prediction for the problem.
 ErrorBound error_bound(const PressureModel& model, const ContactProblem& problem) noexcept;
 
 }  // namespace softfinger

@@ -165,7 +165,7 @@ Comparison compare(const CalibrationProblem& problem, const Calibration& calibra
   const bool has_own_errors =
       std::all_of(all.problem.measurements.values.begin(), all.problem.measurements.values.end(),
                   [](const Measurement& measurement) { return measurement.std > 0; });
-  // Where the scatter is estimated it is a parameter, too, and each model's own.
+  // An estimated scatter counts as one more parameter, and each model estimates its own.
   result.aic = has_own_errors ? fit.sum_of_squares + 2 * double(problem.free.size())
                               : count * std::log(std::max(fit.sum_of_squares, 1e-12) / count) +
                                     2 * (double(problem.free.size()) + 1);
@@ -341,7 +341,7 @@ NextMeasurement next_measurement(const CalibrationProblem& problem,
   if (!stds.empty()) std = std::max(1e-3, stds[stds.size() / 2]);
   const auto consider = [&](const Eigen::VectorXd& slopes, const NextMeasurement& candidate) {
     const double then = std_of(now + slopes * slopes.transpose(), worst);
-    // What helps by less than a tenth is not worth the afternoon.
+    // A gain of less than a tenth does not justify another measurement.
     if (!(then < 0.9 * best.std_now) || (best.exists && !(then < best.std_then))) return;
     const double before = best.std_now;
     const Parameter parameter = best.parameter;
@@ -428,7 +428,7 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
     else
       sentences.push_back(measured + ": not well enough to tell a/h from it");
   }
-  // What is seen together: the best known product of powers of two open parameters.
+  // Finds the best determined product of powers of two undetermined parameters.
   const Eigen::MatrixXd known = information(problem, calibration);
   for (std::size_t i = 0; i < problem.free.size(); ++i)
     for (std::size_t k = i + 1; k < problem.free.size(); ++k) {

@@ -347,7 +347,8 @@ class Calibrator {
     return result;
   }
 
-  /// How much worse the best fit with this parameter at this coordinate is, in standard deviations.
+  /// Returns how many standard deviations the best fit with this parameter held at this coordinate
+  /// is worse than the best fit of all. `values`: start of the fit, then its result.
   double distance(Parameter parameter, double coordinate, ParameterValues& values) {
     std::vector<Parameter> others;
     for (const Parameter free : problem_.free)
@@ -359,7 +360,8 @@ class Calibrator {
     return std::sqrt(std::max(0., fit.sum_of_squares - best_.sum_of_squares));
   }
 
-  /// Where that distance reaches `limit`, upwards (sign 1) or downwards.
+  /// Returns the coordinate at which that distance reaches `limit`, searched upwards (sign 1) or
+  /// downwards (sign -1); the end of the parameter's range, with `*is_open` set, if it does not.
   double border(ParameterValues values, Parameter parameter, double std, int sign, double limit,
                 bool* is_open) {
     const ParameterRange& range = range_of(parameter);

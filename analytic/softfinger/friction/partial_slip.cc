@@ -71,7 +71,7 @@ struct CirclePressure {
   }
 };
 
-/// What has been turned, and the torque, when the disc r < c sticks.
+/// Angle (rad) and torque of the twist at which the disc r < c still sticks.
 struct TwistState {
   double angle_rad, torque;
 };

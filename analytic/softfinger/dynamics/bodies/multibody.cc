@@ -507,8 +507,8 @@ void Multibody::require_masses() const {
   }
 }
 
-/// How the motion of a degree of freedom about a resting reference changes.
-/// @param base  velocity of what carries its axis
+/// Rate of change of a degree of freedom's motion vector about a resting reference point.
+/// @param base  velocity of the body that carries its axis
 Multibody::SpatialVector Multibody::motion_rate(const Dof& dof, const Eigen::Vector3d& reference,
                                                 const SpatialVector& base) const {
   SpatialVector rate;

@@ -47,8 +47,9 @@ double residual_of(const ContactLcp& problem, const Eigen::Matrix3Xd& vertices,
 /// `exact_contact_residual` of a solution whose velocities are known to be those of `add_response`.
 double exact_residual_of(const ContactLcp& problem, const ContactSolution& solution);
 
-/// How much of the residual the rounding of W r alone explains. Where bodies are wedged by impulses
-/// a million times larger than their motion needs, no other impulses would do better.
+/// Part of the residual that rounding of W r alone explains, at most `most`. Where bodies are
+/// wedged by impulses a million times larger than their motion needs, no other impulses would do
+/// better.
 double rounding_of(const ContactLcp& problem, const ContactSolution& solution,
                    double most = kMostRounding);
 

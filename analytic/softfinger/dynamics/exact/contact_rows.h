@@ -42,7 +42,8 @@ class ContactRows {
   /// matrix += L_i^T A L_i
   /// @param own  A, column by column, as large as the contact has rows
   void add_product(int contact, const double* own, Eigen::Ref<Eigen::MatrixXd> matrix) const;
-  /// The same of a symmetric A, in the matrix' lower half; what is above it is of no use then.
+  /// Adds the same product for a symmetric A to the lower half of the matrix; the entries above the
+  /// diagonal are then meaningless.
   void add_lower_product(int contact, const double* own, Eigen::Ref<Eigen::MatrixXd> matrix) const;
 
  private:

@@ -72,7 +72,7 @@ class ExactNewton {
     auto hessian() const { return boundary_and_hessian.rightCols<3>(); }  ///< of h at nu
   };
 
-  /// How the matrix of the last step was decomposed.
+  /// Form in which the matrix of the last Newton step was factorised.
   enum class Decomposition { none, of_impulses, of_velocities, of_velocities_exchanged };
 
   struct Pass {

@@ -16,8 +16,8 @@ class ImpulseSearch {
 
   void begin_problem() { newton_.begin_problem(); }
 
-  /// How much of Newton's method a polish takes, see ExactNewton::solve, how often `approach`
-  /// eases, and where from it starts.
+  /// Limits of a search: passes and patience of `ExactNewton::solve`, the number of restarts by
+  /// `approach` from the least impulses of a wedged state, and the kind of start.
   static constexpr int kEasedStarts = 4, kMostIterationsOfEased = 400;
   struct Effort {
     int passes, patience;

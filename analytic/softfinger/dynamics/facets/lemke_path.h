@@ -197,7 +197,7 @@ class LemkePath {
           blocking.column = p;
         }
       system.choose(is_active, least, blocking);
-      // Where z0 could leave as well as others, it leaves: then the problem is solved.
+      // In a tie z0 leaves: then the problem is solved.
       const int z0 = column_position_[std::size_t(pairs_)];
       if (dz_[z0] < -least && z_[z0] <= -dz_[z0] * blocking.theta) {
         blocking.row = -1;

@@ -27,10 +27,10 @@ struct Contact {
   const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
   static constexpr long kNoId = -1;
   long id = kNoId;  ///< the same from step to step for as long as the contact lasts
-  /// How the contact gives way elastically before it slides, along the axes and about the normal
-  /// (m/N, m/N, rad/(N m)): the friction wrench is `elastic_wrench`, that at the start of the step
-  /// on body `b`, less the elastic displacement in the step over the compliance, at its end. Zero:
-  /// it gives way by sliding only. See presliding.h.
+  /// Elastic compliance of the contact before it slides, along the axes and about the normal (m/N,
+  /// m/N, rad/(N m)). The friction wrench on body `b` at the end of the step is `elastic_wrench`,
+  /// its value at the start, minus the step's elastic displacement over the compliance. Zero: the
+  /// contact is rigid until it slides. See presliding.h.
   Eigen::Vector3d compliance = Eigen::Vector3d::Zero();
   Eigen::Vector3d elastic_wrench = Eigen::Vector3d::Zero();
 };
