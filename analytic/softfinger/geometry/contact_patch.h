@@ -33,10 +33,10 @@ struct ContactPatch {
   std::vector<RelativeRadii> radii_of_other_regions;
   /// Share of the region that the surface covers, at most 1: less where it ends within the region.
   double covered = 1;
-  /// How far the bodies' surfaces may lie from their facets within the contact, together: a facet's
-  /// middle lies kappa e²/8 under a surface of curvature kappa whose vertices are e apart, with e
-  /// at most the contact's diameter. A mean over the n vertices of twice the contact's area is
-  /// known better by sqrt(n). 0 without an ellipse.
+  /// Distance in m by which the bodies' surfaces may differ from their facets within the contact,
+  /// both bodies together: the middle of a facet lies kappa e²/8 under a surface of curvature kappa
+  /// whose vertices are e apart, with e at most the contact's diameter. The mean over the n
+  /// vertices of twice the contact's area is known better by sqrt(n). 0 without an ellipse.
   double facet_doubt_m = 0;
   int iterations = 0;  ///< quadrics that were fitted
   bool agrees = true;  ///< region within 2 % of twice the predicted area

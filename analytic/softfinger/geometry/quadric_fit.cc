@@ -121,7 +121,8 @@ class Facets {
   Eigen::MatrixXd vertex_terms(const Eigen::Matrix3d& frame) const {
     return quadric_columns(frame, vertices_, scale_);
   }
-  /// The same per sample, interpolated on its facet by the share of chords.
+  /// Returns the same terms at the samples: a blend of the exact ones and of those interpolated
+  /// linearly on the facet, the latter weighted by `chord_share_`.
   Eigen::MatrixXd terms(const Eigen::Matrix3d& frame) const {
     // Plain loops: this is where the time goes, also in a build without optimisation.
     const Eigen::MatrixXd of_vertices = vertex_terms(frame);
@@ -306,8 +307,8 @@ Eigen::VectorXd vertex_residuals(const Facets& facets, const TangentFit& fit,
                                  const Eigen::VectorXd& areas) {
   Eigen::VectorXd result =
       facets.vertex_depths(fit.frame) - facets.vertex_terms(fit.frame) * fit.coefficients;
-  // Where facets are read as the surface itself, all vertices of a curved surface lie above the fit
-  // by its sagitta.
+  // If the facets are taken as the surface itself, all vertices of a curved surface lie above the
+  // fit by its sagitta.
   result.array() -= areas.dot(result) / areas.sum();
   return result;
 }
@@ -624,7 +625,7 @@ void set_principal_radii(QuadricFit& result, double region_radius_m) {
 
 namespace {
 
-/// How the facets of a region are read: by their vertices, which lie on the surface, or as the
+/// Interpretation of a region's facets: only their vertices lie on the surface, or they are the
 /// surface itself.
 enum class Reading { vertices, facets };
 

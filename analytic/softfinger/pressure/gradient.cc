@@ -91,7 +91,7 @@ Gap<Real> gap_of(const std::array<Real, 4>& curvatures, const Real& cos_2_angle,
   const Real mean = 0.5 * (curvatures[0] + curvatures[1] + curvatures[2] + curvatures[3]);
   const Real deviator_x = finger + object * cos_2_angle, deviator_y = object * sin_2_angle;
   const Real squared = deviator_x * deviator_x + deviator_y * deviator_y;
-  // Where both curvatures are equal any axes are principal ones: the finger's.
+  // With equal curvatures any axes are principal ones: the finger's are taken.
   const bool is_round = !(squared > 1e-24 * (mean * mean));
   const Real deviator = is_round ? Real(0) : sqrt(squared);
   const Real low = mean - deviator, high = mean + deviator;

@@ -14,8 +14,9 @@
 
 namespace softfinger {
 
-/// How exactly a model solves its own equations. Tests of all models take their tolerances from
-/// here. The defaults are those of a closed form; any other model states its own, with the reason.
+/// Accuracy with which a model solves its own equations. Tests of all models take their tolerances
+/// from here. The defaults are those of a closed form; any other model states its own, with the
+/// reason.
 struct NumericalAccuracy {
   /// Relative error of load and torque arm when `pressure_Pa` is integrated over the contact
   /// ellipse, and of `pressure_Pa` at the centre against the peak.

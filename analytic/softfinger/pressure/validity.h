@@ -81,14 +81,14 @@ inline ValidityCheck small_strain_check(double strain) noexcept {
       "by more than 10 %, less so when nearly incompressible"};
 }
 
-/// The same where one layer takes the whole indentation: d/h.
+/// Check of the strain d/h of a layer that takes the whole indentation.
 inline ValidityCheck small_strain_check(const Prediction& prediction,
                                         const ElasticLayer& layer) noexcept {
   return small_strain_check(prediction.indentation_m / layer.thickness_m);
 }
 
-/// The same for two layers in series, whose compliances (indentation per load, in one unit) share
-/// the indentation: the more strained of the two. Zero for a rigid object.
+/// Check of the larger strain of two layers in series, whose compliances (indentation per load, in
+/// one unit) share the indentation. A rigid object counts as no layer.
 inline ValidityCheck small_strain_check(const Prediction& prediction, const ContactProblem& problem,
                                         double compliance, double object_compliance) noexcept {
   double strain = prediction.indentation_m / problem.layer.thickness_m;
