@@ -27,8 +27,9 @@ struct Hermite {
 
 constexpr double smallest_jacobian = 0.05, smallest_stretch = 0.25, largest_stretch = 3;
 
-/// What a valid cell is worth at a distance from the contact, in thicknesses; beyond `near_rim`, by
-/// which a side wall is felt no more, little.
+/// Weight of a valid cell at a distance from the contact, in thicknesses, when layers are compared.
+/// It is small beyond `near_rim`, the distance from which a side wall no longer affects the
+/// contact.
 double worth_of_cell(double distance) { return std::pow(1 + distance * distance, -2); }
 constexpr double near_rim = 4;
 
@@ -65,7 +66,7 @@ ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Po
     if (core) field = on_core(*core, std::move(field));
     core_ = jets_of(field);
     const double valid = find_cells();
-    // A cell more at the rim is no reason to smooth.
+    // One cell more at the rim does not justify more smoothing.
     if (valid <= most + worth_of_cell(near_rim)) continue;
     most = valid;
     best = core_;

@@ -44,7 +44,8 @@ class ScannedLayer {
   /// a sharp edge it can be asked for its shape as if it went on.
   ClothEnd end_in(double low_x, double high_x, double low_y, double high_y) const;
 
-  /// How far the layer goes from the centre in a direction of the block, and why not farther.
+  /// Largest distance from the centre that the layer covers in a direction of the block, and the
+  /// reason for its end.
   struct Reach {
     double distance;
     ClothEnd end;
