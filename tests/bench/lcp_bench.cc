@@ -77,8 +77,8 @@ struct Row {
   int failures = 0;
 };
 
-/// The same scenes under several numbers of vertices: a machine whose speed changes by the second
-/// would otherwise show in their ratios, so they take turns.
+/// Solves the scenes under several numbers of vertices. The sets take turns: otherwise a machine
+/// whose speed changes by the second would distort their ratios.
 std::vector<Row> solve_in_turns(const std::vector<std::vector<ContactLcp>>& sets, int repetitions,
                                 std::vector<std::vector<double>>* all_us = nullptr,
                                 std::vector<std::vector<double>>* all_on_clock_us = nullptr) {

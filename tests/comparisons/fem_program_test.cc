@@ -197,7 +197,7 @@ TEST_F(FemProgram, BoundsOfTheAtlasHoldForContactsThatItHasNotSeen) {
   const ProgramRun refused = run_softfinger(rank, command("4"));
   EXPECT_EQ(refused.status, 2) << refused.err;
   EXPECT_NE(refused.err.find("softfinger-sweep --atlas"), std::string::npos) << refused.err;
-  // What is finished need not be done again.
+  // Finished runs are not repeated.
   const ProgramRun half = run_softfinger(start, command("2"));
   EXPECT_EQ(half.status, 0) << half.err;
   const auto written = [&] {

@@ -214,8 +214,8 @@ input::Scene scene_of(const ContactProblem& problem) {
   return scene;
 }
 
-/// What each command takes where no model is asked for, as the largest torque in N m.
-/// @param told  what predict says of all models
+/// Expects the same model and largest torque (N m) from every command when no model is asked for.
+/// @param told  predict's answers by all models
 void expect_one_torque(const input::Case& contact, const prediction::GeometryResolver& resolver,
                        const std::vector<prediction::ModelAnswer>& told, const Choice& selected) {
   const prediction::ModelAnswer* const first = judgement::recommended(told);

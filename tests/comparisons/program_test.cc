@@ -418,7 +418,8 @@ TEST_F(Program, KeepsTheColumnsOfItsTableApart) {
       const std::vector<std::string> cells{std::istream_iterator<std::string>(words), {}};
       if (cells.size() < 2 || cells[0] != "hertz" || !std::isdigit(cells[1][0])) continue;
       ++rows;
-      // Of the usable models and, with their numbers in full, of all.
+      // A row is in the table of the usable models or, with its numbers in full, in that of all
+      // models.
       EXPECT_TRUE(cells.size() == 11u || cells.size() == 12u) << line;
     }
     EXPECT_GE(rows, 1);
@@ -1141,7 +1142,7 @@ TEST_F(Program, ExtremesCountsEveryAnswerAndViolatesNoInvariant) {
       EXPECT_GT(model["ranges"]["load_N"][1], 1e8);
     }
   }
-  // The same problems: the same counts.
+  // A second run tries the same problems and finds the same counts.
   json again = json::parse(run(arguments).out);
   for (std::size_t i = 0; i < again["models"].size(); ++i)
     EXPECT_EQ(again["models"][i]["decades"], survey["models"][i]["decades"]);

@@ -1,4 +1,4 @@
-// Where the finite elements' answer is beyond the theory by which they found it.
+// Warnings about answers of the finite elements that lie beyond the theory they were solved with.
 #include "comparisons/reference/theory_limits.h"
 
 #include <gtest/gtest.h>
