@@ -87,7 +87,8 @@ TEST(LayerFft, ErrorsFallAtLeastLikeTheCellSquared) {
   }
 }
 
-// The limits have closed forms, and the ways to them are known orders: h/a for the half-space.
+// The limits have closed forms, and the deviation from them has a known order: h/a for the
+// half-space.
 TEST(LayerFft, ApproachesHertzOnAThickLayer) {
   const PressureModel& hertz = *find_pressure_model("hertz");
   for (const double ratio : {1.0, 4.0, 50.0}) {

@@ -106,7 +106,8 @@ TEST(ModelChoice, TellsWhatTheFiniteElementsOfTheCaseCost) {
     if (is_scan) contact.geometry.patch.emplace();
     return contact.choose(options).candidates.front().cost_us;
   };
-  // Newton's method solves several linear problems, a scan is pressed in several readings.
+  // Newton's method solves several linear problems, and a scan is pressed in several perturbed
+  // versions.
   EXPECT_GT(cost_us(false, true, false), 2 * cost_us(false, false, false));
   EXPECT_GT(cost_us(true, true, false), 2 * cost_us(true, false, false));
   EXPECT_GT(cost_us(true, true, true), 2 * cost_us(true, true, false));

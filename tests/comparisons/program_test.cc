@@ -346,7 +346,7 @@ TEST_F(Program, CarriesTheFitsUncertaintyToEllipseAndTorque) {
   EXPECT_GT(bumpy, 2 * smooth) << smooth;
   EXPECT_LT(bumpy, 0.2);
   const ProgramRun table = run({"predict", file.string(), "--explain"});
-  // The table tells the same as the JSON object.
+  // The table states the same as the JSON object.
   const json open =
       json::parse(run({"predict", file.string(), "--model", "hertz", "--json"}).out)["results"][0];
   const double left_mm =

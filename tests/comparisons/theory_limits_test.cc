@@ -1,4 +1,4 @@
-// Warnings about answers of the finite elements that lie beyond the theory they were solved with.
+// Checks whether finite-element answers lie within the theory they were solved with.
 #include "comparisons/reference/theory_limits.h"
 
 #include <gtest/gtest.h>

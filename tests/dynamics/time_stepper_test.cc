@@ -621,7 +621,7 @@ TEST(Motors, HoldALoadAtTheStaticDeflection) {
   for (int i = 0; i < 3000; ++i) ASSERT_TRUE(carriage.step().done());
   EXPECT_NEAR(carriage.position(), 0.3 + mass * kGravity / stiffness, 1e-12);
   EXPECT_NEAR(carriage.stepper.motor_effort(0), -mass * kGravity, 1e-9);
-  // The same load known beforehand: no deflection.
+  // With the load known beforehand there is no deflection.
   carriage.stepper.motors()[0].feed_forward = -mass * kGravity;
   for (int i = 0; i < 3000; ++i) ASSERT_TRUE(carriage.step().done());
   EXPECT_NEAR(carriage.position(), 0.3, 1e-12);

@@ -28,7 +28,7 @@ using testing::is_sound;
 /// any of the models.
 constexpr double kUnitsTolerance = 1e-12;
 
-/// How many points, and how often they ask a model beyond the first prediction.
+/// Numbers of points, and of those at which a model is asked for more than a first prediction.
 struct Effort {
   int points;
   int second_look;  ///< every so many points

@@ -85,7 +85,7 @@ TEST_P(CholeskyFactorIn, SolvesInHalves) {
   Eigen::VectorXd forward = factor.forward(right);
   const Eigen::VectorXd solution = factor.solve(right);
   EXPECT_LT((factor.backward(forward) - solution).norm(), within(1e-13));
-  // What holds them still is the Schur complement times how far they would go.
+  // The force that holds them still is the Schur complement times their free displacement.
   const Eigen::VectorXd force = factor.stiffness_of_last() * solution(last);
   EXPECT_LT((factor.force_on_last(forward) - force).norm(), within(1e-12) * force.norm());
   const Eigen::VectorXd more = Eigen::VectorXd::LinSpaced(5, 3, -2);

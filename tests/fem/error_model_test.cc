@@ -188,7 +188,7 @@ TEST(ErrorModel, ContactOfTheMeshsOwnSizeHasItsEdgeOnCellEdges) {
   }
 }
 
-/// What a change of the setting adds to each error.
+/// Returns the amount that a change of the setting adds to each error.
 RelativeError added(const ErrorTable& table, const LevelResult& fine,
                     const std::function<void(ErrorSetting&)>& change) {
   ErrorSetting changed = setting();

@@ -216,7 +216,7 @@ TEST_F(UserMesh, OfUnevenCellsIsRefinedWhereTheyAreLarge) {
       "%%\n",
       hanging, layer.unknowns(), on_own.layer().unknowns(), on_uneven.history().iterations,
       on_own.history().iterations, 100 * (found.load / expected.load - 1));
-  // What cells of a third of the contact miss.
+  // Error of cells of a third of the contact.
   constexpr double of_cells = 0.005;
   EXPECT_NEAR(found.load / expected.load, 1, of_cells);
   EXPECT_NEAR(found.energy / expected.energy, 1, of_cells);

@@ -230,7 +230,7 @@ TEST(Sublayers, AtFiniteStrainAreThoseOfSmallStrainForSmallLoads) {
     pressing.press({0, approach});
     const NormalContact contact = solve_normal_contact_at(linear.compliance(), gap, approach);
     differences.push_back(pressing.equilibrium().load / (4 * contact.force.sum()) - 1);
-    // What finite strain changes is of the first order in d/h.
+    // The effect of finite strain is of the first order in d/h.
     EXPECT_LT(std::abs(differences.back()), 3 * approach);
   }
 }

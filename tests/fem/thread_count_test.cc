@@ -1,4 +1,4 @@
-// One thread and several find the same, to the last digit, and tell it in the same order.
+// One thread and several find the same, to the last digit, and report it in the same order.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What gmsh writes, in each of its formats, is what our own reader finds.
+// Files that gmsh writes, in each of its formats, are read back by our own reader.
 
 #include <gmsh.h>
 #include <gtest/gtest.h>

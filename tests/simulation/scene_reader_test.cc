@@ -511,7 +511,7 @@ TEST(Scene, SaysWhatOfABodyWeighsTwice) {
   };
   const std::string ball = "{ sphere_radius_mm = 10 }";
   EXPECT_EQ(said(ball), "");
-  // Of 4 cm³ that are counted 1 cm³ is counted for the second time.
+  // The boxes' volumes add up to 4 cm³, of which 1 cm³ is counted twice.
   const std::string two_boxes =
       "{ box_size_mm = [10, 10, 20] }, { box_size_mm = [10, 10, 20], position_mm = [0, 0, 10] }";
   const std::string twice = said(two_boxes);
@@ -519,7 +519,7 @@ TEST(Scene, SaysWhatOfABodyWeighsTwice) {
       << twice;
   EXPECT_NE(said(two_boxes, "density_kg_per_m3 = 1000\n"), "");
   EXPECT_EQ(said(two_boxes, "mass_g = 100\ninertia_kg_mm2 = [1, 1, 1]\n"), "") << "it is typed";
-  // What only touches does not weigh twice.
+  // Shapes that only touch do not weigh twice.
   EXPECT_EQ(said("{ box_size_mm = [10, 10, 20] }, { box_size_mm = [10, 10, 20], position_mm = [0, "
                  "0, 20] }"),
             "");

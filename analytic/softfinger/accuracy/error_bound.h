@@ -49,11 +49,11 @@ struct ErrorBound {
   const char* outside = "";  ///< why nothing is known, in words
 };
 
-/// The errors of a model at a contact, against finite elements of the whole finger: neo-Hookean
-/// layer on a rigid core, the layer bent over a finger of the problem's `finger_curvature`.
+/// Returns the errors of a model at a contact, against finite elements of the whole finger: a
+/// neo-Hookean layer on a rigid core, which follows the problem's `finger_curvature`.
 ///
-/// The model is compared with `fingertip_layer`, which was fitted to finite-element runs; what 95 %
-/// of them differ from it by is known (fingertip_layer_core.h).
+/// The model is compared with `fingertip_layer`, which was fitted to finite-element runs and whose
+/// deviation from 95 % of them is known (fingertip_layer_core.h).
 /// @param prediction  the model's, with an answer
 /// Costs a prediction of `fingertip_layer` and a little. Never throws, never allocates.
 ErrorBound error_bound(const ContactProblem& problem, const Prediction& prediction) noexcept;

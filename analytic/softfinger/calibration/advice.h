@@ -33,16 +33,16 @@ std::vector<Comparison> compare_models(const CalibrationProblem& problem,
 std::vector<Comparison> compare_shear_laws(const CalibrationProblem& problem,
                                            const Calibration& calibration);
 
-/// The growth of the contact with its load, gamma = d ln a/d ln P, over all measured a, b and
+/// Growth exponent of the contact with its load, gamma = d ln a/d ln P, over all measured a, b and
 /// areas. A bonded layer under a sphere has 1/3 where it is thick against the contact, and less the
-/// thinner it is: it tells a/h without any modulus.
+/// thinner it is: gamma determines a/h without any modulus.
 struct GrowthExponent {
   bool is_known = false;
   double value = 0, std = 0;
 };
 GrowthExponent growth_exponent(const CalibrationProblem& problem, const Calibration& calibration);
 
-/// One more measurement, which would make the parameter that is known worst known better.
+/// One more measurement, chosen to improve the least well known parameter.
 struct NextMeasurement {
   bool exists = false;
   Parameter parameter = Parameter::thickness;  ///< that is known worst

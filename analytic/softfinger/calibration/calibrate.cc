@@ -142,7 +142,7 @@ class Calibrator {
     for (Eigen::Index i = 0; i < residuals.size(); ++i)
       sizes[std::size_t(i)] = std::abs(residuals[i]);
     std::sort(sizes.begin(), sizes.end());
-    // The fit bends towards as many points as it has parameters.
+    // The fit passes close to as many points as it has parameters.
     const std::size_t free = problem_.free.size();
     const double part = double(free) + 0.5 * double(sizes.size() - free);
     const double median = sizes[std::min(sizes.size() - 1, std::size_t(part))];
@@ -340,7 +340,7 @@ class Calibrator {
     }
     const Eigen::MatrixXd slopes = squares_.jacobian(best_.values, problem_.free);
     const Eigen::MatrixXd information = internal::gram(slopes);
-    // A combination that the data do not tell at all has no information but rounding.
+    // An undetermined combination of parameters has no information but rounding.
     const Eigen::VectorXd known = internal::symmetric_eigen(information).values;
     if (known[0] > 1e-12 * known[known.size() - 1])
       result.covariance = internal::inverse(information);
@@ -413,7 +413,7 @@ class Calibrator {
 
   void find_intervals(Calibration& result) {
     const double limit = statistics::student_quantile(0.05, freedom_);
-    // Other optima that chance cannot tell from the best one.
+    // Other optima that differ from the best one by no more than chance.
     std::vector<ParameterValues> rivals;
     for (const ParameterValues& optimum : optima_) {
       const Fit fit = squares_.solve(optimum, problem_.free);

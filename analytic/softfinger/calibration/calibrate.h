@@ -21,7 +21,7 @@ struct CalibrationProblem {
 struct ParameterEstimate {
   Parameter parameter;
   double value = 0;  ///< SI
-  /// From the covariance; infinite where the data do not tell the parameter at all.
+  /// From the covariance; infinite where the data leave the parameter undetermined.
   double std = 0;
   /// The 95 % interval: outside, even the best of the other parameters fits so much worse that
   /// chance explains it in 5 % of all cases (profile likelihood; with the scatter estimated from

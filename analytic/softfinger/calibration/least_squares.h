@@ -11,7 +11,7 @@ struct Weight {
   double std = 1;           ///< of the number, or of its logarithm
   bool is_relative = true;  ///< std belongs to the logarithm
   /// Added to the measured logarithm: with a relative error of standard deviation s, the mean
-  /// logarithm of a reading lies s²/2 below the truth's.
+  /// logarithm of a measured value lies s²/2 below the truth's.
   double shift = 0;
   bool counts = true;  ///< false: an outlier
 };

@@ -191,8 +191,9 @@ class Facets {
 };
 
 /// The least-squares problem of a region, reduced once to ten rows that hold in every frame: terms
-/// and depths in a frame are combinations of the monomials, and of these the triangular factor R of
-/// weights^1/2 monomials = Q R tells all. As accurate as the problem itself.
+/// and depths in a frame are combinations of the monomials, and the triangular factor R of
+/// weights^1/2 monomials = Q R contains all that is needed of these. As accurate as the problem
+/// itself.
 class ReducedProblem {
  public:
   explicit ReducedProblem(const Facets& facets) {
@@ -275,7 +276,7 @@ TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
     if (arrived) return fit;
     const Vector3d turn = fit.frame.leftCols<2>() * tilts;
     // Half steps where full ones do not contract: the frame then follows a strongly curved region.
-    // Otherwise the last step tells by which one the tilt would have vanished.
+    // Otherwise the last step shows by which one the tilt would have vanished.
     const double left = last_turn.dot(turn) / last_turn.squaredNorm();
     step = tilt > 0.5 * previous && tilt >= 1e-8 ? 0.5
            : std::isfinite(left)                 ? std::clamp(step / (1 - left), 0.5, 1.5)
@@ -568,8 +569,8 @@ struct RobustFit {
 };
 
 /// Moves a vertex onto the quadric that is fitted without it, so that neither its facets' chords
-/// nor their depths count. The fit follows the vertex by its leverage, which one step tells the
-/// next; where it follows wholly, steps stay short.
+/// nor their depths count. The fit follows the vertex by its leverage, which each step measures for
+/// the next; where it follows wholly, steps stay short.
 TangentFit fit_without(Facets& facets, Eigen::Index vertex, const RobustFit& with) {
   TangentFit fit = with.fit;
   double residual = with.scatter.of_vertices[vertex], step = residual;

@@ -284,7 +284,7 @@ EllipticLayerContact elliptic_layer_contact_at_load(double load, double radii_ra
   constexpr double kAlmostRound = 1.001, kSlopeNearCircle = 1.8;
   const LimitShapes shapes = limit_shapes(radii_ratio);
   const LayerQuantities blend = layer_blend(shapes, std::log(load), kernel.compressibility());
-  // d ln(size)/d ln(load), which a difference tells well enough here.
+  // d ln(size)/d ln(load), for which a difference is accurate enough.
   constexpr double kStep = 1e-3;
   const double size_slope =
       (layer_blend(shapes, std::log(load) + kStep, kernel.compressibility())[kSize] -

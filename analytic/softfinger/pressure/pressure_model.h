@@ -132,7 +132,7 @@ class PressureModel {
   /// as `Prediction::validity`.
   virtual Prediction predict(const ContactProblem& problem) const noexcept = 0;
 
-  /// The numbers of the prediction with their derivatives, where the model can tell them: exact, by
+  /// The numbers of the prediction with their derivatives, for a model that has them: exact, by
   /// forward differentiation. Only for one layer, and where `predict` has an answer
   /// (`predict_differentiated` sees to both).
   virtual std::optional<DifferentiatedContact> differentiated(

@@ -19,7 +19,7 @@ struct Task {
   /// rounding of one of them tells.
   double most_rounding = kSolved;
 
-  /// Whether the solution at hand is as good as its impulses can be told.
+  /// Whether the solution at hand is as good as the rounding of its impulses allows.
   bool is_good(double residual) const {
     return residual <= kGood ||
            (residual <= most_rounding && residual <= rounding_of(problem, solution, most_rounding));

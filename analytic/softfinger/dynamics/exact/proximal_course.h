@@ -8,8 +8,8 @@
 /// Internal: when proximal points go on, and how.
 namespace softfinger::internal {
 
-/// The course of proximal points from one start, see ExactNewton::approach: how much the contacts
-/// give way, how far the next point is looked for ahead, and when to end. |F| without unit.
+/// The course of proximal points from one start, see ExactNewton::approach: the contacts'
+/// compliance, how far ahead the next point is looked for, and when to end. |F| without unit.
 struct ProximalCourse {
   /// After one of Newton's steps towards the next point.
   enum class Progress { going, reached, failed };
@@ -24,8 +24,8 @@ struct ProximalCourse {
   /// It starts anywhere, or at the impulses of a problem much like this one.
   enum class Start { far, near };
 
-  /// At the start, whose |F| is `size`. The nearer it is to the solution, the less the contacts
-  /// have to give way: in steady motion a third of the iterations are left by that.
+  /// Begins at a start whose |F| is `size`. The nearer it is to the solution, the less compliance
+  /// the contacts need: in steady motion this leaves a third of the iterations.
   void begin(double size, Start start = Start::far) {
     constexpr double kOfRoot = 0.1, kLeast = 1e-5;
     *this = {};

@@ -208,7 +208,8 @@ TimeStepper::Island& TimeStepper::island_of(const std::vector<Touching>& rows) {
   return islands_[std::size_t(place_of_row_[std::size_t(rows.front().row)].island)];
 }
 
-/// Room for G where it is of use, and W has one: closed loops take from it, what gives way adds.
+/// Reserves room for the root G of W where it is of use and exists: closed loops subtract from W,
+/// and elastic contacts add to it.
 void TimeStepper::begin_roots() {
   constexpr int kNone = -1;
   root_columns_.assign(islands_.size(), options_.friction_rule == FrictionRule::facets ? kNone : 0);
