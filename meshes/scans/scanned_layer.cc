@@ -57,7 +57,7 @@ ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Po
     keep_connected();
     return;
   }
-  // Plain normals are exact where the surface bends gently: they come first.
+  // Plain normals come first: they are exact where the curvature is small.
   std::vector<Jet> best;
   std::vector<ClothEnd> best_cells;
   double most = -1;
@@ -219,8 +219,8 @@ double ScannedLayer::depth_below(const Vector3d& point, double x, double y, Vect
   return best;
 }
 
-/// @param smoothing  length l over which the way from the top to the core is smoothed; 0: along the
-/// normals
+/// @param smoothing  length over which the directions from the top to the core are smoothed; 0:
+///   along the normals
 ScannedLayer::Field ScannedLayer::core_by(double smoothing) const {
   const int half = cloth_.half();
   const double s = cloth_.spacing(), h = thickness_;
@@ -246,7 +246,7 @@ ScannedLayer::Field ScannedLayer::core_by(double smoothing) const {
     }
     constexpr double last = 0.35;
     down = smoothed(down, last * smoothing);
-    // That took some of the depth away again: it is given back along the way.
+    // Smoothing took some of the depth away again: it is restored along the direction.
     Field scaled = down;
     each([&](int i, int j, std::size_t k) {
       const double depth = depth_below(top_[k].value - down[k], i * s, j * s, nullptr);
@@ -317,7 +317,8 @@ ScannedLayer::Field ScannedLayer::core_by(const Erosion& erosion) const {
   return result;
 }
 
-/// The core's surface where the ways from the top lead on to; not a number where there is none.
+/// Returns the points where the lines from the top through `field` meet the core's surface; not a
+/// number where they miss it.
 ScannedLayer::Field ScannedLayer::on_core(const SmoothSurface& core, Field field) const {
   const int half = cloth_.half();
   for (int j = -half; j <= half; ++j)
@@ -327,8 +328,8 @@ ScannedLayer::Field ScannedLayer::on_core(const SmoothSurface& core, Field field
       Vector3d& at = field[index(i, j)];
       const Vector3d up = (top - at).normalized();
       at.setConstant(std::numeric_limits<double>::quiet_NaN());
-      // The nearest of the core's points along the way: from each, the surface's plane there is met
-      // anew.
+      // Finds the nearest point of the core on the line: each step intersects the line with the
+      // surface's tangent plane at the last point.
       double depth = thickness_;
       constexpr int iterations = 20;
       for (int iteration = 0; iteration < iterations; ++iteration) {

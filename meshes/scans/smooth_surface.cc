@@ -179,7 +179,8 @@ struct SmoothSurface::Implementation {
   void order_samples();
   void order_edges();
 
-  /// The piece of an edge nearest to a point, of those that face its way; none: nullptr.
+  /// Returns the edge piece nearest to a point, among those whose normals agree with the point's;
+  /// nullptr if there is none.
   const EdgePiece* nearest_edge(const Point& point) const;
 
   Place<6> oriented_place(const Vector3d& position, const Vector3d& normal) const {

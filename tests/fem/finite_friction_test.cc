@@ -790,8 +790,8 @@ TEST_F(SolvedFriction, SlidesTheSameWayFromAGuess) {
   EXPECT_NEAR(solved.wrench().torque / torque, 1, 1e-3);
 }
 
-// Slides that start from what those before let expect come to the states that each has alone, in
-// fewer iterations.
+// Slides that start from the extrapolated states of earlier ones come to the states that each has
+// alone, in fewer iterations.
 TEST_F(SolvedFriction, SlidesTheSameWayFromThoseBefore) {
   std::vector<PlaneMotion> velocities;
   for (const double angle : {0.0, 0.4, 0.8, 1.2})

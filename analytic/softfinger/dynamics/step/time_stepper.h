@@ -105,9 +105,10 @@ struct StepResult {
 /// which the gaps know. So the energy of bodies that touch never grows, and that of bodies that do
 /// not touch stays. Joint limits are contacts without friction.
 ///
-/// If a contact is elastic, its sliding velocity takes the place of its tangential velocity J v': J
-/// v' + C (r/dt - f)/dt, C the compliance and f the wrench at the start. Implicit: no stiffness
-/// makes a step unstable.
+/// If a contact is elastic, the step uses its sliding velocity in place of its tangential velocity
+/// J v':
+///   J v' + C (r/dt - f)/dt,
+/// C the compliance and f the wrench at the start. Implicit: no stiffness makes a step unstable.
 ///
 /// Which motors are at their limits is found by trial: those that contradict the new velocities
 /// change, at the end one by one, which terminates (Murty's principal pivoting on a positive
