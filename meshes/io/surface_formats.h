@@ -13,7 +13,7 @@ namespace softfinger::meshes {
 /// Sizes in a binary STL, bytes.
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;
 
-/// For messages.
+/// Allowed files, for messages.
 constexpr const char* kAllowedSurface = "a readable STL (binary or ASCII) or OBJ file";
 
 /// A file's triangles as it writes them: vertices may repeat, in the file's unit. Coordinates are

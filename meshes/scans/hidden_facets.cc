@@ -73,7 +73,8 @@ class Ray {
   long steps_ = 0;
 };
 
-/// Along the normal first: most facets are seen from there.
+/// Directions in which a facet is looked at. The normal comes first: most facets are seen from
+/// there.
 std::array<Vector3d, 7> directions_from(const Vector3d& normal) {
   constexpr double tilt = 50 * M_PI / 180;
   const Vector3d one = normal.unitOrthogonal(), two = normal.cross(one);

@@ -259,7 +259,7 @@ ScannedLayer::Field ScannedLayer::core_by(double smoothing) const {
   return core;
 }
 
-/// From the top, sampled more finely than its lattice.
+/// Builds the eroded core from the top surface, sampled more finely than its lattice.
 ErodedCore ScannedLayer::eroded() const {
   // The tangents at samples h/8 apart turn by 1/8 at most where normals cross at the depth h; a
   // ridge is met by 1/8² of h or better.

@@ -40,8 +40,8 @@ class ScannedLayer {
   /// Surface area per area of the block.
   double area_ratio(double x, double y) const;
 
-  /// Why a rectangle of the block is not covered by the layer; none where it is. Where it ends at
-  /// a sharp edge it can be asked for its shape as if it went on.
+  /// Returns why a rectangle of the block is not covered by the layer; none where it is. A layer
+  /// that ends at a sharp edge can be asked for its shape as if it went on.
   ClothEnd end_in(double low_x, double high_x, double low_y, double high_y) const;
 
   /// Largest distance from the centre that the layer covers in a direction of the block, and the

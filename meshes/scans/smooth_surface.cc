@@ -458,7 +458,7 @@ const EdgePiece* SmoothSurface::Implementation::nearest_edge(const Point& point)
 std::optional<double> SmoothSurface::beyond_edge(const Point& point) const {
   const EdgePiece* const edge = implementation_->nearest_edge(point);
   if (!edge) return std::nullopt;
-  // Along the surface: it need not go through the edges of the facets.
+  // Distances are measured along the surface: it need not go through the edges of the facets.
   const Vector3d on_edge = edge->nearest(point.position);
   Vector3d apart = point.position - on_edge;
   apart -= apart.dot(point.normal) * point.normal;

@@ -55,7 +55,7 @@ class Contacts {
   }
 
   std::size_t count() const { return batch_.count; }
-  /// Without friction and the object's layers.
+  /// The contacts without friction and without the object's layers.
   const ContactBatch& batch() const { return batch_; }
   bool have_object_layers() const {
     for (std::size_t i = 0; i < count(); ++i)

@@ -131,7 +131,7 @@ ErrorBound error_bound(const ContactProblem& problem, const Prediction& predicti
   const BoundedErrors answer = numbers_of(prediction);
   ErrorBound result;
   result.known = true;
-  // From the flat layer to the finger, one cause after the other.
+  // Adds one cause after the other, from the flat layer to the finger.
   BoundedErrors reference = numbers_of(flat);
   for (std::size_t q = 0; q < kBoundedQuantities; ++q)
     result.causes[std::size_t(ErrorCause::model)][q] = answer[q] / reference[q] - 1;

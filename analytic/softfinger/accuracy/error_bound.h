@@ -11,7 +11,8 @@
 /// Errors of a model's answer against the real finger, which is curved and at finite strain.
 namespace softfinger {
 
-/// In this order, as everywhere: a, b, indentation, area, peak pressure, largest torque.
+/// Number of quantities, in this order everywhere: a, b, indentation, area, peak pressure, largest
+/// torque.
 constexpr std::size_t kBoundedQuantities = 6;
 using BoundedErrors = std::array<double, kBoundedQuantities>;  ///< relative
 

@@ -74,7 +74,7 @@ std::string symbol(Parameter parameter) {
                                            : name_in_words(parameter);
 }
 
-/// Which of the parameters looked for a model's answers depend on.
+/// Returns the parameters on which a model's answers depend, out of those that are fitted.
 std::vector<Parameter> parameters_of(const CalibrationProblem& problem, std::string_view model) {
   std::vector<Parameter> result;
   if (model == "power_law") result = {Parameter::radius_coefficient, Parameter::radius_exponent};
@@ -150,7 +150,8 @@ double root_mean_square(const PredictedMeasurements& predicted, const ParameterV
   return std::sqrt(sum / double(logs.size()));
 }
 
-/// One model or law in the comparison; without a scatter below 100 % it has no answer.
+/// Fits one model or law for the comparison; a fit whose scatter is not below 100 % counts as no
+/// answer.
 Comparison compare(const CalibrationProblem& problem, const Calibration& calibration) {
   Comparison result{problem.model, problem.shear_law, problem.free, {}, 0, 0};
   const Reduced all = reduced(problem, calibration, kNoLimit_N);
@@ -457,7 +458,7 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
       const internal::SymmetricEigen eigen = internal::symmetric_eigen(pair);
       const Eigen::Vector2d best = eigen.vectors.col(1);
       if (!(eigen.values[1] > 25 * eigen.values[0])) continue;
-      // As a power of the second per power 1 of the first.
+      // Exponent of the second parameter for the exponent 1 of the first.
       const double power = best[1] / best[0];
       const double std = 1 / std::sqrt(eigen.values[1]) / std::abs(best[0]);
       if (!(std::abs(power) > 0.05 && std::abs(power) < 20 && std < 0.3)) continue;

@@ -432,7 +432,7 @@ class Calibrator {
       };
       estimate.low = reach(best_.values, -1, &estimate.is_low_open);
       estimate.high = reach(best_.values, 1, &estimate.is_high_open);
-      // Not above it by a rounding, at a border of the search.
+      // At a border of the search, rounding must not move an end of the interval past the value.
       estimate.low = std::min(estimate.low, estimate.value);
       estimate.high = std::max(estimate.high, estimate.value);
       for (const ParameterValues& rival : rivals) {

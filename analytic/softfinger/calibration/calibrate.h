@@ -17,11 +17,12 @@ struct CalibrationProblem {
   ParameterValues start{};      ///< every parameter
 };
 
-/// One parameter that was looked for.
+/// Estimate of one fitted parameter.
 struct ParameterEstimate {
   Parameter parameter;
   double value = 0;  ///< SI
-  /// From the covariance; infinite where the data leave the parameter undetermined.
+  /// Standard deviation from the covariance; infinite where the data leave the parameter
+  /// undetermined.
   double std = 0;
   /// The 95 % interval: outside, even the best of the other parameters fits so much worse that
   /// chance explains it in 5 % of all cases (profile likelihood; with the scatter estimated from
@@ -43,8 +44,8 @@ struct Calibration {
   /// Covariance of the parameters' coordinates (see `coordinate`), in the order of `parameters`;
   /// empty where the data leave some combination of them undetermined.
   Eigen::MatrixXd covariance;
-  /// Which measurements were left out, because a fit to the others predicts them too badly to be
-  /// chance (one set in a hundred loses a good one).
+  /// Measurements left out, because a fit to the others predicts them too badly to be chance (one
+  /// set in a hundred loses a good one).
   std::vector<std::size_t> outliers;
   std::vector<double> predicted;  ///< SI, one for each measurement
   std::vector<double> deviation;  ///< (measured - predicted)/std of the measurement

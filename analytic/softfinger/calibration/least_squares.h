@@ -57,7 +57,7 @@ class LeastSquares {
   double sum_of_squares(const ParameterValues& values) const;
 
  private:
-  /// From one starting point, all of `free` moving.
+  /// Fits all of `free` from one starting point.
   Fit solve_inside(const ParameterValues& start, const std::vector<Parameter>& free) const;
   /// Whether the sum would only fall beyond the borders on which these lie.
   bool push_outwards(const ParameterValues& values, const std::vector<Parameter>& at_border) const;

@@ -46,7 +46,7 @@ class ShearSurface {
   std::vector<LimitWrench> sample(int count) const;
   std::vector<LimitWrench> sample_section(double direction_rad, int count) const;
 
-  /// As LimitSurface::scaled_wrench.
+  /// Wrench and second derivatives as those of LimitSurface::scaled_wrench.
   Eigen::Vector3d scaled_wrench(const Eigen::Vector3d& twist,
                                 Eigen::Matrix3d* hessian) const noexcept;
 

@@ -587,7 +587,8 @@ TangentFit fit_without(Facets& facets, Eigen::Index vertex, const RobustFit& wit
   return fit;
 }
 
-/// At most one vertex in twenty is left out: more are no errors, but the surface.
+/// Fits a region without its outliers. At most one vertex in twenty is left out: more are no
+/// errors, but the surface.
 RobustFit fit_without_spikes(Facets& facets, const SurfaceRegion& region) {
   RobustFit found;
   found.fit = fit_tangent(facets, region.mean_normal);

@@ -42,9 +42,9 @@ struct QuadricFit {
   Quadric quadric;
   Eigen::Matrix3d covariance_per_m2 = Eigen::Matrix3d::Zero();  ///< of (A, B, C)
   PrincipalCurvature principal;
-  /// One standard deviation of principal.radii_m: wide enough that two reach the far end of the two
-  /// of the curvature, and including the amount by which noise pushes nearly equal radii apart.
-  /// Infinite for a flat direction.
+  /// One standard deviation of principal.radii_m: wide enough that two of it reach the far end of
+  /// two standard deviations of the curvature, and including the amount by which noise pushes
+  /// nearly equal radii apart. Infinite for a flat direction.
   std::array<double, 2> radii_std_m{};
 
   Eigen::Vector3d origin_m;  ///< on the fitted surface, nearest to the given point

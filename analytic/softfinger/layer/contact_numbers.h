@@ -52,7 +52,7 @@ LayerArguments<Real> layer_arguments(const ContactInputOf<Real>& input) noexcept
       log(input.radius_major_m / input.radius_minor_m)};
 }
 
-/// From logarithms (LayerQuantity) to the contact itself.
+/// Converts logarithms (LayerQuantity) to the contact itself.
 template <class Real>
 ContactNumbersOf<Real> contact_of_logarithms(const LayerQuantitiesOf<Real>& logarithms,
                                              const Real& mean_radius_m,

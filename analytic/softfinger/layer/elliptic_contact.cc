@@ -222,8 +222,8 @@ double pressure_at_centre(const std::vector<Mode>& modes, const VectorXd& pressu
 
 }  // namespace
 
-// By trial. Against half as many terms more, load, torque, indentation and R'/R'' change by 1e-11
-// at a/h = 1 (round; 1e-7 at R'/R'' = 10), 2e-5 at 5 and 3e-5 up to 100.
+// Found by trial. With half as many terms more, load, torque, indentation and R'/R'' change by
+// 1e-11 at a/h = 1 (round; 1e-7 at R'/R'' = 10), 2e-5 at 5 and 3e-5 up to 100.
 SpectralResolution sufficient_resolution(double a, double b) noexcept {
   const int radial = std::min(30, int(6 + 2.2 * std::sqrt(a)));
   const int angular = a / b < 1 + 1e-9 ? 0 : std::min(8, int(4 + 2 * std::log(a / b)));

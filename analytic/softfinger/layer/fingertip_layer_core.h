@@ -270,7 +270,7 @@ FingertipCorrectionOf<Dual<N>> fingertip_correction(const FingertipLayerTable& t
   return correction;
 }
 
-/// From the flat layer's logarithms to those of the finger.
+/// Applies the corrections to the flat layer's logarithms.
 template <class Real>
 ContactNumbersOf<Real> corrected_contact(const LayerQuantitiesOf<Real>& flat,
                                          const ContactNumbersOf<Real>& flat_numbers,

@@ -123,7 +123,7 @@ PredictionWithGradient predict_with_gradient(const PressureModel& model,
 BodyDerivatives by_body_radii(const Derivatives& of, const BodyRadii& bodies) noexcept {
   using Number = Dual<5>;
   const auto curvature = [](double radius_m, int index) {
-    // By the radius itself; a flat side has none.
+    // Derivative with respect to the radius itself; zero for a flat side.
     return Number::chain(Number::variable(0, index), 1 / radius_m, -1 / radius_m / radius_m);
   };
   bool is_elliptic = false;

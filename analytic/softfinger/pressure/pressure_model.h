@@ -88,7 +88,7 @@ class Validity {
   }
 
  private:
-  /// In the place of a check that holds; never in the last place.
+  /// Replaces a check that holds by a failing one; never the last check.
   void keep_if_failing(const ValidityCheck& check) noexcept {
     if (check.holds()) return;
     for (std::size_t i = 0; i + 1 < kCapacity; ++i) {

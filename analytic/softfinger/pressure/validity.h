@@ -170,7 +170,7 @@ inline ValidityCheck first_range_violation(const ContactProblem& problem) noexce
   return {};
 }
 
-/// Why a model whose theory knows one layer has no answer for two.
+/// Reason why a model whose theory knows one layer has no answer for two.
 inline ValidityCheck one_layer_only(const ContactProblem& problem) noexcept {
   if (!problem.has_object_layer()) return {};
   return {"rigid_object", 1, 0, true,

@@ -61,9 +61,9 @@ class ContactOperator {
     return Eigen::Map<const Eigen::Vector3d>(metrics_.data() + 3 * contact);
   }
 
-  /// From scaled to the problem's units, row by row:
-  /// impulse = impulse_scale * velocity_unit * scaled impulse,
-  /// velocity = velocity_unit / velocity_scale * scaled velocity.
+  /// Factors from scaled to the problem's units, row by row:
+  ///   impulse = impulse_scale * velocity_unit * scaled impulse,
+  ///   velocity = velocity_unit / velocity_scale * scaled velocity.
   const Eigen::VectorXd& impulse_scale() const { return impulse_scale_; }
   const Eigen::VectorXd& velocity_scale() const { return velocity_scale_; }
   double velocity_unit() const { return velocity_unit_; }

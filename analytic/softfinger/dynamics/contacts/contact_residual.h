@@ -5,9 +5,9 @@
 /// Internal: parts of the residuals that the solver shares with the public ones.
 namespace softfinger::internal {
 
-/// From this residual on a point is a solution.
+/// Residual below which a point counts as a solution.
 constexpr double kSolved = 1e-10;
-/// From this residual on nothing better is looked for: a few thousand roundings.
+/// Residual below which nothing better is looked for: a few thousand roundings.
 constexpr double kGood = 1e-12;
 /// The largest residual that rounding may explain in a solution, and in a point that a warm start
 /// keeps because a cold one would find none better.
@@ -17,7 +17,7 @@ inline bool is_exact(const ContactLcp& problem) {
   return problem.friction_rule != FrictionRule::facets;
 }
 
-/// That many roundings of W r a residual may have.
+/// Number of roundings of W r that a residual may have.
 constexpr double kRoundings = 4;
 
 /// Eigen's allFinite, several numbers at a time.

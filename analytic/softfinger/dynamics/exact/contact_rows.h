@@ -25,7 +25,7 @@ class ContactRows {
   void append(int rows, int columns, const Column& column);
 
   int contacts() const { return int(rows_.size()); }
-  /// Which columns of the contact's rows L_i are kept, in rising order.
+  /// Indices of the columns that are stored of the contact's rows L_i, ascending.
   const int* columns(int contact) const { return columns_.data() + first_[std::size_t(contact)]; }
   int column_count(int contact) const {
     return int(first_[std::size_t(contact) + 1] - first_[std::size_t(contact)]);

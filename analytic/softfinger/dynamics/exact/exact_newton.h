@@ -54,7 +54,7 @@ class ExactNewton {
   /// `solve`: to round-off, or below kGood where nothing slides, because such a problem is linear.
   bool correct(const ContactOperator& contacts, Eigen::VectorXd& impulse);
 
-  /// Before the first `solve` of a problem.
+  /// To be called before the first `solve` of a problem.
   void begin_problem() { factor_.forget(); }
 
  private:

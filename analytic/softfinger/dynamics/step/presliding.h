@@ -27,7 +27,7 @@ class PreslidingElements {
   /// All elements have this stiffness before they slide. It is a little less than the stuck one,
   /// which is that of a tangent, not a chord.
   Eigen::Vector3d stiffness() const;
-  /// On body b, axes of the contact: f_x, f_y, tau.
+  /// Wrench on body b, axes of the contact: f_x, f_y, tau.
   Eigen::Vector3d wrench() const;
   /// Energy in the springs, J.
   double energy_J() const;

@@ -257,7 +257,7 @@ void TimeStepper::add_to_root(const std::vector<Touching>& rows, const Eigen::Ma
   }
 }
 
-/// From tangential velocities to those of sliding.
+/// Replaces the tangential velocities of elastic contacts by those of sliding.
 void TimeStepper::add_compliance() {
   const double dt = options_.time_step_s;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {

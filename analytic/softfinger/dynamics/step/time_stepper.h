@@ -131,7 +131,7 @@ class TimeStepper {
   /// @throws InputError for a time step that is not positive.
   TimeStepper(Multibody bodies, std::vector<Motor> motors, Options options);
 
-  /// One step. A step without solution moves nothing: bodies and time stay as they were.
+  /// Makes one step. A step without solution moves nothing: bodies and time stay as they were.
   StepResult step(ContactFinder& finder);
 
   Multibody& bodies() { return bodies_; }
