@@ -221,7 +221,7 @@ TEST(CalibrationAdvice, ProposesAMeasurementThatHelpsAsMuchAsItSays) {
       if (estimate.parameter == next.parameter) return estimate.std;  // of nu, absolute
     return std::nan("");
   };
-  // Both are the covariance's.
+  // Both numbers follow from the covariance.
   EXPECT_NEAR(std_of(before), next.std_now, 1e-6 * next.std_now);
   ContactProblem contact = problem.measurements.contacts.back();
   contact.load.normal_force_N = next.load_N;

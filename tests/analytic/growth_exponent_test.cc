@@ -50,7 +50,7 @@ TEST(GrowthExponent, OfTheTorqueArmIsThatOfTheRadiusInTheLimits) {
   // In the limits the pressure keeps its shape; the correction of a thick layer is of the order of
   // s³.
   EXPECT_NEAR(layer_growth_exponent(0.05, 0.49, Growing::torque_arm), 1. / 3, std::pow(0.05, 3));
-  // In between it flattens the less, the larger s is.
+  // In between the pressure flattens the less, the larger s is.
   const double arm = layer_growth_exponent(1.5, 0.49, Growing::torque_arm);
   EXPECT_LT(arm, layer_growth_exponent(1.5, 0.49));
   EXPECT_NEAR(std::log(layer_size_of_exponent(arm, 0.49, Growing::torque_arm).value_or(1) / 1.5), 0,

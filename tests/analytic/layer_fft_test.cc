@@ -428,7 +428,7 @@ TEST(LayerFft, RefusesWhatItCannotSolve) {
   EXPECT_THROW(solve_layer_contact(radii, layer, {}, 1, options), ConvergenceError);
 }
 
-// Against the sums that they abbreviate.
+// The convolution is compared with the sums that it abbreviates.
 TEST(Convolution, EqualsTheDirectSum) {
   const int rows = 16, columns = 8;
   std::mt19937 random(7);

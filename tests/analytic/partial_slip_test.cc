@@ -65,7 +65,7 @@ TEST(TwistCurve, HoldsForCirclesOnLayers) {
 
 TEST(TwistCurve, AgreesWithFiniteElements) {
   for (const tests::FemTwist& fem : tests::fem_twists()) {
-    // As a user has it: ellipse, stiffness, T_max and n of the prediction.
+    // Ellipse, stiffness, T_max and n are those of the prediction, as a user has them.
     const ContactProblem problem = problem_of(fem.pressed);
     const PressureModel& model = *find_pressure_model("bonded_layer");
     const Prediction prediction = model.predict(problem);

@@ -169,7 +169,7 @@ double residual_of(const ContactLcp& problem, const std::vector<double>& z) {
   return contact_residual(problem, solution);
 }
 
-/// As many of the problems as `most_s` allow, at least three.
+/// Solves as many of the problems as `most_s` allows, at least three.
 Row solve_by_siconos(const std::vector<ContactLcp>& problems, const std::vector<double>& ours_us,
                      double most_s, int& tried, double& ratio) {
   Row row;

@@ -1,4 +1,4 @@
-// Which model is enough, and that all commands say the same of it.
+// Choice of a model that is accurate enough, and its agreement between all commands.
 #include "comparisons/judgement/selection/model_choice.h"
 
 #include <gtest/gtest.h>

@@ -100,7 +100,7 @@ class MujocoExport : public testing::Test {
     return data;
   }
 
-  /// Then also pushed and twisted for a second.
+  /// After pressing, also pushes and twists for a second.
   Motion move(double push_N, double torque_Nm) const {
     const Data data = pressed();
     data->qfrc_applied[0] = push_N;

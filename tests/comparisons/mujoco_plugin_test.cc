@@ -32,7 +32,7 @@ ContactProblem pad(double load_N) {
   return problem;
 }
 
-/// By the model itself.
+/// Eccentricity e_n by the model itself.
 double eccentricity_m(double load_N) {
   return find_pressure_model("fingertip_layer")->predict(pad(load_N)).torque_arm_exact_m;
 }

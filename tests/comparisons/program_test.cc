@@ -231,7 +231,8 @@ TEST_F(Program, SaysWhatAContactBearsAgainstTilting) {
   const double arm = std::pow(std::sin(low), 3) / softfinger::kPi;
   EXPECT_NEAR(answer["tilt_limit_Nm"][0].get<double>(), load_N * b_m * arm, 1e-9 * load_N * b_m);
   EXPECT_NEAR(answer["tilt_limit_Nm"][1].get<double>(), load_N * a_m * arm, 1e-9 * load_N * a_m);
-  // About the long axis it rolls along the short one, across which the relative radius is less.
+  // A turn about the long axis rolls it along the short one, along which the relative radius is
+  // smaller.
   const json geometry = json::parse(
       run({"predict", file.string(), "--model", "hertz", "--json"}).out)["geometry"][0]["radii_m"];
   EXPECT_LT(geometry[1].get<double>(), geometry[0].get<double>());

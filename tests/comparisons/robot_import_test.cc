@@ -645,7 +645,7 @@ std::string ode_friction(const std::string& mu) {
   return "<friction><ode><mu>" + mu + "</mu><mu2>" + mu + "</mu2></ode></friction>";
 }
 
-/// As the program reads SDF, in which this test has no part.
+/// Reads SDF through the program: this test itself has no reader of SDF.
 class SdfRobots : public Robots {
  protected:
   input::Scene import_sdf(const std::string& text) {
@@ -675,7 +675,7 @@ TEST_F(SdfRobots, HaveTheSmallerFrictionOfTwoSurfaces) {
   const input::Scene holds = import_sdf(sdf_world(ode_friction("2"), ode_friction("2")));
   EXPECT_EQ(holds.rule(0, 1).shear_law.friction_coefficient, 2);
   EXPECT_NEAR(way_m(holds, 1, 0), 0, 1e-6) << "2 times 9.81 is above 12";
-  // Without a word a surface has 1.
+  // A surface without the element has 1.
   EXPECT_EQ(import_sdf(sdf_world(ode_friction("2"), "")).rule(0, 1).shear_law.friction_coefficient,
             1);
   EXPECT_EQ(import_sdf(sdf_world(ode_friction("2"), ode_friction("0.5")))

@@ -825,8 +825,8 @@ struct ConstantShearStress final : EccentricityLaw {
 };
 
 TEST(Eccentricity, OfConstantShearStressTurnsWithTwoThirdsPiTauACubed) {
-  // As above, pressed ever harder: the torque is proportional to a³, here to the load, and the
-  // contact never learns that its own coefficient is another one.
+  // Pressed ever harder, the torque is proportional to a³, here to the load. The law replaces the
+  // contact's own coefficient of friction.
   const ConstantShearStress law;
   const double radius = 0.02;
   BodyDescription ball = tests::ball("ball", radius, 0.1, Vector3d(0, 0, radius + 1e-3));

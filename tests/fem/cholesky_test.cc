@@ -144,7 +144,7 @@ TEST_P(CholeskyFactorIn, RefusesAMatrixThatIsNotPositiveDefinite) {
                ConvergenceError);
 }
 
-/// In a child, since a limit on the address space cannot be taken back.
+/// Runs in a child process, since a limit on the address space cannot be taken back.
 void factorise_in_little_memory() {
   const SparseSymmetricMatrix matrix = laplacian(40);
   // Enough for the ordering and the analysis, not for the factor of about 150 MB.

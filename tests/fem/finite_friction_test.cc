@@ -591,7 +591,7 @@ TEST_F(SolvedFriction, IsWrittenAsItIs) {
   ASSERT_LT(slip_fraction, 0.9);
   double largest_slip = 0, torque = 0;
   for (const auto& corners : surface.quadrilaterals) {
-    // By the midpoint of the corners: the lattice is fine against the field.
+    // Integrates by the midpoint of the corners: the lattice is fine against the field.
     const auto at = [&](std::size_t k) -> const RubbedSurface::Point& {
       return surface.points[corners[k]];
     };

@@ -168,8 +168,8 @@ TEST_F(UserMesh, OfLongCellsIsDividedAlongTheirLengthOnly) {
 }
 
 TEST_F(UserMesh, OfUnevenCellsIsRefinedWhereTheyAreLarge) {
-  // From one side of the contact to the other, which is 2 mm wide, cells of one sheet become four
-  // times as long: up to 18 times as long as wanted.
+  // Across the contact, which is 2 mm wide, the cells of one sheet become four times as long: up to
+  // 18 times as long as wanted.
   const auto uneven = block_of(
       {0, 3, 6, 10, 15}, {0, 0.5, 1, 1.5, 2.5, 4, 7, 15}, {-2, -1.2, -0.6, 0},
       [](Eigen::Vector3d& place) {

@@ -92,7 +92,7 @@ TEST(ShearLaw, NodesThatTouchHaveTheContactsAreaTogether) {
   EXPECT_EQ(share[1], 1);
   EXPECT_EQ(share[2], 0.75);
   EXPECT_EQ(share[3], 0);
-  // Nothing at the ellipse's edge touches: all nodes alike.
+  // With no touching node at the ellipse's edge, all nodes count alike.
   radius *= 0.5;
   const Eigen::VectorXd inside = strength_share(law, {force, area, radius, 0.1, 4.5});
   EXPECT_NEAR(inside.dot(area), 4.5, 1e-12);

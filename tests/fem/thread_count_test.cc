@@ -23,7 +23,7 @@ struct Answer {
   std::vector<std::string> lines;
 };
 
-/// Without what depends on the machine.
+/// Answer without the parts that depend on the machine.
 Answer answer(const Problem& problem, int threads) {
   const ThreadLimit limit(threads);
   Answer result;

@@ -49,7 +49,7 @@ void build() {
   gmsh::model::mesh::generate(3);
 }
 
-/// As gmsh holds it.
+/// Elements of the mesh that gmsh holds.
 Elements elements_in_gmsh() {
   Elements result;
   gmsh::vectorpair groups;

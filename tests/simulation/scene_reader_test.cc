@@ -322,7 +322,7 @@ TEST_F(SceneProgram, RefusesRingsAndSecondParents) {
 TEST_F(SceneProgram, RefusesAMeshThatIsNotClosedWhereMassIsDerived) {
   folder.write("open.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
   const std::string mesh = with(kHead + kBall, "sphere_radius_mm = 10", "mesh = \"open.obj\"");
-  // With the line of the body's mass or shape.
+  // The refusal names the line of the body's mass or shape.
   const std::string file = folder.write("scene.toml", mesh).string();
   const ProgramRun result = run({"simulate", file});
   EXPECT_EQ(result.status, 2) << result.err;
