@@ -231,7 +231,8 @@ TEST_F(Program, SaysWhatAContactBearsAgainstTilting) {
   const double arm = std::pow(std::sin(low), 3) / softfinger::kPi;
   EXPECT_NEAR(answer["tilt_limit_Nm"][0].get<double>(), load_N * b_m * arm, 1e-9 * load_N * b_m);
   EXPECT_NEAR(answer["tilt_limit_Nm"][1].get<double>(), load_N * a_m * arm, 1e-9 * load_N * a_m);
-  // About the long axis it rolls along the short one, across which the relative radius is less.
+  // A turn about the long axis rolls it along the short one, along which the relative radius is
+  // smaller.
   const json geometry = json::parse(
       run({"predict", file.string(), "--model", "hertz", "--json"}).out)["geometry"][0]["radii_m"];
   EXPECT_LT(geometry[1].get<double>(), geometry[0].get<double>());
@@ -346,7 +347,7 @@ TEST_F(Program, CarriesTheFitsUncertaintyToEllipseAndTorque) {
   EXPECT_GT(bumpy, 2 * smooth) << smooth;
   EXPECT_LT(bumpy, 0.2);
   const ProgramRun table = run({"predict", file.string(), "--explain"});
-  // The table tells the same as the JSON object.
+  // The table states the same as the JSON object.
   const json open =
       json::parse(run({"predict", file.string(), "--model", "hertz", "--json"}).out)["results"][0];
   const double left_mm =
@@ -418,7 +419,8 @@ TEST_F(Program, KeepsTheColumnsOfItsTableApart) {
       const std::vector<std::string> cells{std::istream_iterator<std::string>(words), {}};
       if (cells.size() < 2 || cells[0] != "hertz" || !std::isdigit(cells[1][0])) continue;
       ++rows;
-      // Of the usable models and, with their numbers in full, of all.
+      // A row is in the table of the usable models or, with its numbers in full, in that of all
+      // models.
       EXPECT_TRUE(cells.size() == 11u || cells.size() == 12u) << line;
     }
     EXPECT_GE(rows, 1);
@@ -1141,7 +1143,7 @@ TEST_F(Program, ExtremesCountsEveryAnswerAndViolatesNoInvariant) {
       EXPECT_GT(model["ranges"]["load_N"][1], 1e8);
     }
   }
-  // The same problems: the same counts.
+  // A second run tries the same problems and finds the same counts.
   json again = json::parse(run(arguments).out);
   for (std::size_t i = 0; i < again["models"].size(); ++i)
     EXPECT_EQ(again["models"][i]["decades"], survey["models"][i]["decades"]);

@@ -84,8 +84,8 @@ TEST_P(SwitchesOf, DoNotMakeNumbersJump) {
   std::printf("%-20s largest jump %.1e\n", std::string(model.card().name).c_str(), worst);
 }
 
-/// What a shape of contact carries, as fractions of the largest force and torque, and the logarithm
-/// of how much of it another wrench takes up; the six patches last.
+/// Wrench that a contact of this shape transmits, as fractions of the largest force and torque, and
+/// the logarithm of another wrench's utilisation; last the torque of the six patches.
 Numbers friction(double a_over_b, double exponent, const Twist& slip) {
   const LimitSurface surface(a_over_b, 1, exponent, 1);
   const double arm = surface.eccentricity_m();
@@ -97,7 +97,8 @@ Numbers friction(double a_over_b, double exponent, const Twist& slip) {
           patches.wrench_for_twist(slip).torque_Nm / arm};
 }
 
-/// Where the series of a circle, the two quadratures and the named exponents take turns.
+/// Paths across the switches between the series of a circle, the two quadratures and the named
+/// exponents.
 TEST(LimitSurfaceSwitches, DoNotMakeWrenchesJump) {
   ExtremeProblems random(11);
   double worst = 0;

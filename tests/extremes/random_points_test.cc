@@ -28,7 +28,7 @@ using testing::is_sound;
 /// any of the models.
 constexpr double kUnitsTolerance = 1e-12;
 
-/// How many points, and how often they ask a model beyond the first prediction.
+/// Numbers of points, and of those at which a model is asked for more than a first prediction.
 struct Effort {
   int points;
   int second_look;  ///< every so many points
@@ -120,8 +120,9 @@ TEST_P(RandomPoints, AreFiniteMonotoneAndFreeOfUnits) {
     // incompressible sees its shear modulus only, which falls.
     other = problem;
     other.layer.poisson_ratio += (0.5 - other.layer.poisson_ratio) * problems.uniform(0, 1);
-    // That is linear theory: far pressed, a compressible layer stiffens, and finite elements find
-    // the contact of a sphere with a/R = 0.6 on a thick layer larger at nu = 0.3 than at 0.16.
+    // This holds in linear theory only: under large compression a compressible layer stiffens, and
+    // finite elements find the contact of a sphere with a/R = 0.6 on a thick layer larger at nu =
+    // 0.3 than at 0.16.
     const bool follows_linear_theory = model.card().name != "fingertip_layer";
     if (model.card().name != "thin_incompressible" && follows_linear_theory &&
         !no_larger(model.predict(other)))

@@ -14,8 +14,9 @@
 
 namespace softfinger {
 
-/// How exactly a model solves its own equations. Tests of all models take their tolerances from
-/// here. The defaults are those of a closed form; any other model states its own, with the reason.
+/// Accuracy with which a model solves its own equations. Tests of all models take their tolerances
+/// from here. The defaults are those of a closed form; any other model states its own, with the
+/// reason.
 struct NumericalAccuracy {
   /// Relative error of load and torque arm when `pressure_Pa` is integrated over the contact
   /// ellipse, and of `pressure_Pa` at the centre against the peak.
@@ -87,7 +88,7 @@ class Validity {
   }
 
  private:
-  /// In the place of a check that holds; never in the last place.
+  /// Replaces a check that holds by a failing one; never the last check.
   void keep_if_failing(const ValidityCheck& check) noexcept {
     if (check.holds()) return;
     for (std::size_t i = 0; i + 1 < kCapacity; ++i) {
@@ -131,7 +132,7 @@ class PressureModel {
   /// as `Prediction::validity`.
   virtual Prediction predict(const ContactProblem& problem) const noexcept = 0;
 
-  /// The numbers of the prediction with their derivatives, where the model can tell them: exact, by
+  /// The numbers of the prediction with their derivatives, for a model that has them: exact, by
   /// forward differentiation. Only for one layer, and where `predict` has an answer
   /// (`predict_differentiated` sees to both).
   virtual std::optional<DifferentiatedContact> differentiated(

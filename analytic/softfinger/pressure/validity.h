@@ -81,14 +81,14 @@ inline ValidityCheck small_strain_check(double strain) noexcept {
       "by more than 10 %, less so when nearly incompressible"};
 }
 
-/// The same where one layer takes the whole indentation: d/h.
+/// Check of the strain d/h of a layer that takes the whole indentation.
 inline ValidityCheck small_strain_check(const Prediction& prediction,
                                         const ElasticLayer& layer) noexcept {
   return small_strain_check(prediction.indentation_m / layer.thickness_m);
 }
 
-/// The same for two layers in series, whose compliances (indentation per load, in one unit) share
-/// the indentation: the more strained of the two. Zero for a rigid object.
+/// Check of the larger strain of two layers in series, whose compliances (indentation per load, in
+/// one unit) share the indentation. A rigid object counts as no layer.
 inline ValidityCheck small_strain_check(const Prediction& prediction, const ContactProblem& problem,
                                         double compliance, double object_compliance) noexcept {
   double strain = prediction.indentation_m / problem.layer.thickness_m;
@@ -170,7 +170,7 @@ inline ValidityCheck first_range_violation(const ContactProblem& problem) noexce
   return {};
 }
 
-/// Why a model whose theory knows one layer has no answer for two.
+/// Reason why a model whose theory knows one layer has no answer for two.
 inline ValidityCheck one_layer_only(const ContactProblem& problem) noexcept {
   if (!problem.has_object_layer()) return {};
   return {"rigid_object", 1, 0, true,
