@@ -117,7 +117,8 @@ void put_into(input::Case& contact_case, const ParameterValues& values) {
   if (law.has_shear_strength()) law.shear_strength_Pa = value(Parameter::shear_strength);
 }
 
-/// How far the parameters moved, at most, as a part of what is known of each.
+/// Largest change of a parameter between two fits, relative to what is known of it: the smaller of
+/// its interval's width and its magnitude.
 double largest_move(const Calibration& before, const Calibration& now) {
   double largest = 0;
   for (std::size_t i = 0; i < now.parameters.size(); ++i) {
@@ -233,7 +234,8 @@ std::vector<FittedCurve> fitted_curves(const CaseCalibration& calibration) {
   const ParameterValues& values = calibration.found.values;
   PredictedMeasurements{*problem.model, asked, problem.shear_law}.evaluate(values, logs,
                                                                            &all_slopes);
-  // What the data know, also where they do not tell some combination of the parameters at all.
+  // The data's information in each direction, which is zero for combinations that they do not
+  // determine.
   const PredictedMeasurements measured{*problem.model, problem.measurements, problem.shear_law};
   const Eigen::MatrixXd jacobian = LeastSquares(measured, calibration.found.weights,
                                                 contains(problem.free, Parameter::thickness))

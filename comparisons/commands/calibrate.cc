@@ -24,7 +24,7 @@ struct CalibrateOptions {
   std::vector<std::string> settings;
 };
 
-/// What `--fit` may look for. A power law has parameters of its own.
+/// Parameters that `--fit` may name. A power law has parameters of its own.
 constexpr std::array<Parameter, 6> kFitted{
     Parameter::youngs_modulus,       Parameter::thickness,
     Parameter::poisson_ratio,        Parameter::radius,

@@ -9,7 +9,7 @@
 /// One file per command: its flags, its help with samples that a test runs, and what it does.
 namespace softfinger::commands {
 
-/// What the typed command does; returns the exit status.
+/// Work of the typed command; returns the exit status.
 using Action = std::function<int()>;
 
 void add_predict(CLI::App& app, Action& action, const std::string& command_line);

@@ -5,7 +5,7 @@
 /// Files that the build copies into the program (embed.cmake).
 namespace softfinger::report::embedded {
 
-/// What runs in a page, and the SHA-256 of its text, 32 bytes.
+/// Script of a page, and the SHA-256 of its text, 32 bytes.
 struct Script {
   std::string_view text, sha256;
 };

@@ -58,7 +58,7 @@ void append_reference(const reference::ReferenceResult& result, std::string& tex
     append_number(stated.value_or(NAN), text);
 }
 
-/// Of a job, see FemRequest. Finite strain, contacts without symmetry and fine levels cost
+/// Weight of a job, see FemRequest. Finite strain, contacts without symmetry and fine levels cost
 /// most.
 double weight_of(const input::Case& contact_case, const RelativeRadii& radii) {
   const double level = std::pow(4., contact_case.fem_level);
