@@ -18,7 +18,6 @@ void add_fem(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action, const std::string& command_line);
 void add_atlas(CLI::App& app, Action& action, const std::string& command_line);
 void add_select(CLI::App& app, Action& action, const std::string& command_line);
-void add_extremes(CLI::App& app, Action& action, const std::string& command_line);
 void add_experiments(CLI::App& app, Action& action, const std::string& command_line);
 void add_export(CLI::App& app, Action& action);
 void add_explore(CLI::App& app, Action& action, const std::string& command_line);

@@ -16,7 +16,6 @@ extern const std::string_view report_css;
 extern const Script charts_js;  ///< for every page with charts, before its own script
 extern const Script report_js;
 extern const Script select_js;
-extern const Script extremes_js;
 extern const Script calibration_js;
 extern const Script sweep_js;
 extern const Script d3_js;

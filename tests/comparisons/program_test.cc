@@ -1112,44 +1112,6 @@ TEST_F(Program, SelectWritesAPageOfASceneToo) {
   EXPECT_NE(page.find("plate – left_tip"), std::string::npos);
 }
 
-TEST_F(Program, ExtremesCountsEveryAnswerAndViolatesNoInvariant) {
-  const std::vector<std::string> arguments = {"extremes",      "--points", "1600",
-                                              "--slow-points", "3",        "--json"};
-  const ProgramRun result = run(arguments);
-  ASSERT_EQ(result.status, 0) << result.err;
-  const json survey = json::parse(result.out);
-  EXPECT_GE(survey["models"].size(), 6u);
-  for (const json& model : survey["models"]) {
-    const int tried = model["tried"];
-    EXPECT_EQ(tried + model["nonsense_tried"].get<int>(), model["hot_path"] == true ? 1600 : 3);
-    const int valid = model["valid"], outside = model["answered_outside_validity"],
-              refused = model["refused"];
-    EXPECT_EQ(valid + outside + refused, tried);
-    int reasons = 0;
-    for (const json& reason : model["refusals"]) {
-      EXPECT_GT(reason["reason"].get<std::string>().size(), 20u);
-      reasons += reason["count"].get<int>();
-    }
-    EXPECT_EQ(reasons, refused) << model["model"];
-    EXPECT_TRUE(model["broken_promises"].empty()) << model["broken_promises"];
-    for (const json& axis : survey["axes"]) {
-      int in_bins = 0;
-      for (const json& bin : model["decades"][axis["key"].get<std::string>()])
-        in_bins += bin["valid"].get<int>() + bin["answered"].get<int>() + bin["refused"].get<int>();
-      EXPECT_EQ(in_bins, tried) << axis;
-    }
-    if (model["hot_path"] == true) {
-      EXPECT_LT(model["ranges"]["load_N"][0], 1e-11);
-      EXPECT_GT(model["ranges"]["load_N"][1], 1e8);
-    }
-  }
-  // A second run tries the same problems and finds the same counts.
-  json again = json::parse(run(arguments).out);
-  for (std::size_t i = 0; i < again["models"].size(); ++i)
-    EXPECT_EQ(again["models"][i]["decades"], survey["models"][i]["decades"]);
-  expect_refusal({"extremes", "--points", "10"}, "--points");
-}
-
 TEST_F(Program, HoldsTheTheoryAgainstMeasurements) {
   // Some of the built-in data sets are at odds with the theory.
   const ProgramRun all = run({"experiments", "--json", "--page", "rubber.html"});
@@ -1223,10 +1185,9 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   folder.write("step_0002.txt", contact_problem_text());
   folder.write("hand.xml", file_text(SOFTFINGER_HAND));
   for (const std::string command :
-       {"",           "predict",     "fit",       "fem",  "compare", "select",
-        "extremes",   "experiments", "calibrate", "area", "export",  "apply",
-        "list",       "explain",     "lcp",       "mesh", "init",    "doctor",
-        "completion", "manual",      "explore"}) {
+       {"",          "predict", "fit",    "fem",        "compare", "select",  "experiments",
+        "calibrate", "area",    "export", "apply",      "list",    "explain", "lcp",
+        "mesh",      "init",    "doctor", "completion", "manual",  "explore"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

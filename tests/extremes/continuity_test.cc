@@ -10,19 +10,19 @@
 #include <utility>
 #include <vector>
 
-#include "comparisons/extremes/jumps.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/friction/six_patch_surface.h"
 #include "softfinger/input/constants.h"
 #include "tests/extremes/extreme_problem.h"
+#include "tests/extremes/jumps.h"
 
 namespace softfinger {
 namespace {
 
-using extremes::kNumbers;
-using extremes::largest_jump;
-using extremes::Numbers;
 using testing::ExtremeProblems;
+using testing::kNumbers;
+using testing::largest_jump;
+using testing::Numbers;
 
 /// Hertz with a jump at one load, as a switch between series leaves one.
 class Jumping final : public PressureModel {

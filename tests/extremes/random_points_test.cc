@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -32,14 +31,13 @@ constexpr double kUnitsTolerance = 1e-12;
 struct Effort {
   int points;
   int second_look;  ///< every so many points
-  double budget_s;  ///< of wall time
   double thinnest;  ///< least thickness over a half-space's contact
 };
 
 /// Models that discretise and iterate are asked for seconds only.
 Effort effort_for(const PressureModel& model) {
-  if (!model.card().hot_path) return {400, 8, 2, 0.2};
-  return {1000000, 1, 1e9, 1e-9};
+  if (!model.card().hot_path) return {64, 8, 0.2};
+  return {1000000, 1, 1e-9};
 }
 
 /// Whether no table ends before this problem. Beyond its table a model says so, and its answer only
@@ -59,15 +57,11 @@ TEST_P(RandomPoints, AreFiniteMonotoneAndFreeOfUnits) {
   ExtremeProblems problems(20070322, effort.thinnest);
   int points = 0, answers = 0, valid = 0, failures = 0;
   double worst_scale = 0;
-  const auto start = std::chrono::steady_clock::now();
-  const auto seconds = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
   const auto fail = [&](const char* what, const ContactProblem& problem) {
     ADD_FAILURE() << what << ": " << in_words(problem);
     ++failures;
   };
-  for (; points < effort.points && failures < 5 && seconds() < effort.budget_s; ++points) {
+  for (; points < effort.points && failures < 5; ++points) {
     if (points % 16 == 5) {
       const ContactProblem broken = problems.draw_broken();
       if (!is_sound(model.predict(broken))) fail("not finite", broken);

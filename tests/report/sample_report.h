@@ -15,10 +15,6 @@ nlohmann::json large_report(int cases);
 /// Input of the page of `softfinger select`: three loads, of which one has no choice.
 nlohmann::json sample_selection();
 
-/// Input of the page of `softfinger extremes`: a model that violates no invariant and one that
-/// violates some.
-nlohmann::json sample_survey();
-
 /// Answer of `softfinger calibrate` on the built-in measurements of a silicone fingertip.
 nlohmann::json sample_calibration();
 
