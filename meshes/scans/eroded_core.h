@@ -10,7 +10,7 @@ namespace softfinger::meshes {
 /// whose curvature exceeds 1/depth. Lengths are multiples of the depth. A "way" is the straight
 /// segment from a point of the surface down to the core.
 struct Erosion {
-  double beyond = 1;        ///< ways point at the nearest place that lies so much deeper still
+  double beyond = 1;        ///< ways aim at the nearest point this much deeper than the core
   double smoothing = 0.25;  ///< length over which their directions are smoothed
 };
 

@@ -31,7 +31,7 @@ class Jumping final : public PressureModel {
   const ModelCard& card() const noexcept override { return hertz_.card(); }
   Prediction predict(const ContactProblem& problem) const noexcept override {
     Prediction prediction = hertz_.predict(problem);
-    // Curved, so that the jump has to be told from the curvature.
+    // Curved, so that the jump has to be distinguished from the curvature.
     const double s = prediction.a_m / problem.layer.thickness_m;
     prediction.indentation_m *= (1 + s / (1 + s)) * (s > 0.7071 ? 1 + jump_ : 1);
     return prediction;
