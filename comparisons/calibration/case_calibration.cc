@@ -29,9 +29,8 @@ bool is_of_friction(Parameter parameter) {
 std::vector<Parameter> default_parameters(const Request& request, const input::Case& contact_case,
                                           bool measures_friction) {
   std::vector<Parameter> free = {Parameter::youngs_modulus};
-  // Hertz knows no layer, and Winkler E and h only as E/h.
-  const std::string_view model = request.model->card().name;
-  if (model != "hertz" && model != "winkler") free.push_back(Parameter::thickness);
+  if (request.model->card().layer_constants == LayerConstants::all)
+    free.push_back(Parameter::thickness);
   if (measures_friction) {
     if (contact_case.shear_law.has_friction_coefficient())
       free.push_back(Parameter::friction_coefficient);

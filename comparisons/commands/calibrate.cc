@@ -119,9 +119,9 @@ std::pair<Parameter, double> fixed_value(const std::string& typed) {
 
 const PressureModel* chosen_model(const std::string& name) {
   std::vector<std::string> names;
-  // Those with derivatives.
-  for (const char* known : {"fingertip_layer", "bonded_layer", "winkler", "hertz"})
-    if (find_pressure_model(known)) names.emplace_back(known);
+  for (const PressureModel* model : all_pressure_models())
+    if (model->card().is_calibrated && !model->card().is_empirical)
+      names.emplace_back(model->card().name);
   for (const std::string& known : names)
     if (known == name) return find_pressure_model(name);
   throw InputError("command line", "--model", "\"" + text::shortened(name) + "\"",

@@ -50,8 +50,10 @@ std::vector<const PressureModel*> chosen_models(const PredictOptions& options,
   auto models = prediction::models_by_name(options.models);
   // Without a measured law the model that needs one has nothing to say.
   if (options.models == "all" && !(contact_case.options.power_law.radius_coefficient > 0))
-    models.erase(std::remove(models.begin(), models.end(), find_pressure_model("power_law")),
-                 models.end());
+    models.erase(
+        std::remove_if(models.begin(), models.end(),
+                       [](const PressureModel* model) { return model->card().is_empirical; }),
+        models.end());
   const PressureModel* sampler = find_pressure_model("layer_fft");
   if (options.gap == "sampled" &&
       std::find(models.begin(), models.end(), sampler) == models.end()) {

@@ -72,7 +72,7 @@ const char* reason_without_bound(const input::Case& contact_case,
     return "bounds are known for neo-Hookean layers only";
   if (is_steep_paraboloid(contact_case, answer))
     return "bounds are known for ellipsoidal fingers, and this one is of another shape";
-  if (std::string_view(answer.model->card().name) == "power_law")
+  if (answer.model->card().is_empirical)
     return "a measured law holds for the finger that it was measured on";
   return nullptr;
 }

@@ -77,8 +77,7 @@ std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
   if (!models.empty()) return models;
   const input::Case& base = sweep.base();
   for (const PressureModel* model : prediction::models_by_name("all")) {
-    if (model->card().name == "power_law" && !(base.options.power_law.radius_coefficient > 0))
-      continue;
+    if (model->card().is_empirical && !(base.options.power_law.radius_coefficient > 0)) continue;
     models.push_back(model);
   }
   return models;

@@ -103,7 +103,7 @@ class OneContact {
   std::optional<py::dict> error_bound(const py::dict& arguments) const {
     const std::optional<Question> asked = question(arguments, 0);
     // No bound is known of a measured law, which softfinger/_accuracy.py says in words.
-    if (!asked || asked->model->card().name == "power_law") return std::nullopt;
+    if (!asked || asked->model->card().is_empirical) return std::nullopt;
     const ErrorBound found = softfinger::error_bound(*asked->model, asked->problem);
     if (!found.known) return std::nullopt;
     py::dict fields;

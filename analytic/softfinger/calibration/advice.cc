@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 #include "softfinger/calibration/statistics.h"
 #include "softfinger/input/constants.h"
@@ -75,23 +76,26 @@ std::string symbol(Parameter parameter) {
 }
 
 /// Returns the parameters on which a model's answers depend, out of those that are fitted.
-std::vector<Parameter> parameters_of(const CalibrationProblem& problem, std::string_view model) {
+std::vector<Parameter> parameters_of(const CalibrationProblem& problem, const ModelCard& model) {
   std::vector<Parameter> result;
-  if (model == "power_law") result = {Parameter::radius_coefficient, Parameter::radius_exponent};
-  for (const Parameter parameter : problem.free) {
-    const bool is_friction =
-        parameter == Parameter::friction_coefficient || parameter == Parameter::shear_strength;
-    // Hertz knows E and nu only as E/(1 - nu²); the layer's thickness and it only one modulus.
-    const bool has = model == "power_law" ? is_friction
-                     : model == "hertz"   ? parameter != Parameter::thickness &&
-                                              parameter != Parameter::poisson_ratio
-                     : model == "winkler" ? parameter != Parameter::thickness ||
-                                                !contains(problem.free, Parameter::youngs_modulus)
-                                          : true;
-    if (has && !(model == "winkler" && parameter == Parameter::poisson_ratio &&
-                 contains(problem.free, Parameter::youngs_modulus)))
-      result.push_back(parameter);
-  }
+  if (model.is_empirical) result = {Parameter::radius_coefficient, Parameter::radius_exponent};
+  const bool fits_modulus = contains(problem.free, Parameter::youngs_modulus);
+  const auto depends_on = [&](Parameter parameter) {
+    const bool is_of_layer =
+        parameter == Parameter::thickness || parameter == Parameter::poisson_ratio;
+    switch (model.layer_constants) {
+      case LayerConstants::all:
+        return true;
+      case LayerConstants::plane_strain_modulus:
+        return !is_of_layer;
+      case LayerConstants::foundation_modulus:  // one of E, nu and h stands for all
+        return !is_of_layer || !fits_modulus;
+      case LayerConstants::none:
+        break;
+    }
+    return parameter == Parameter::friction_coefficient || parameter == Parameter::shear_strength;
+  };
+  std::copy_if(problem.free.begin(), problem.free.end(), std::back_inserter(result), depends_on);
   return result;
 }
 
@@ -221,14 +225,13 @@ double std_of(const Eigen::MatrixXd& information, Eigen::Index index) {
 std::vector<Comparison> compare_models(const CalibrationProblem& problem,
                                        const Calibration& calibration) {
   std::vector<Comparison> result;
-  for (const std::string_view name :
-       {"hertz", "winkler", "bonded_layer", "fingertip_layer", "power_law"}) {
+  for (const PressureModel* model : all_pressure_models()) {
+    if (!model->card().is_calibrated) continue;
     CalibrationProblem other = problem;
-    other.model = find_pressure_model(name);
-    if (!other.model) continue;
-    other.free = parameters_of(problem, name);
+    other.model = model;
+    other.free = parameters_of(problem, model->card());
     other.start = calibration.values;
-    if (name == "power_law") {
+    if (model->card().is_empirical) {
       // The indentation is no part of that law, and its contact is round.
       if (measures(problem, MeasuredQuantity::indentation)) continue;
       const GrowthExponent growth = growth_exponent(problem, calibration);
@@ -497,11 +500,12 @@ bool explains(const CalibrationProblem& problem) {
 
 std::string contradiction(const CalibrationProblem& problem, const Calibration& calibration) {
   if (explains(calibration)) return {};
-  for (const std::string_view name : {"hertz", "winkler", "bonded_layer", "fingertip_layer"}) {
+  for (const PressureModel* model : all_pressure_models()) {
+    if (!model->card().is_calibrated || model->card().is_empirical || model == problem.model)
+      continue;
     CalibrationProblem other = problem;
-    other.model = find_pressure_model(name);
-    if (!other.model || other.model == problem.model) continue;
-    other.free = parameters_of(problem, name);
+    other.model = model;
+    other.free = parameters_of(problem, model->card());
     other.start = calibration.values;
     if (!other.free.empty() && explains(other)) return {};
   }

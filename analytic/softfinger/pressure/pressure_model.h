@@ -30,6 +30,14 @@ struct NumericalAccuracy {
       "relative error up to the root of epsilon, over a strip of relative area epsilon";
 };
 
+/// The numbers of a layer that a model's answers depend on. Measurements cannot tell others.
+enum class LayerConstants {
+  all,                   ///< E, nu and h
+  plane_strain_modulus,  ///< E/(1 - nu²) alone
+  foundation_modulus,    ///< the stiffness of a column: a modulus over h
+  none                   ///< a measured law needs none
+};
+
 /// Description of a model: what a reader must know before using it.
 struct ModelCard {
   std::string_view name;         ///< as typed on the command line
@@ -42,6 +50,9 @@ struct ModelCard {
   bool hot_path = true;          ///< fit for a simulator's inner loop: microseconds, no allocation
   bool finite_strain = false;    ///< of large deformation: not to be compared with linear solutions
   NumericalAccuracy accuracy = {};
+  LayerConstants layer_constants = LayerConstants::all;
+  bool is_empirical = false;   ///< its constants are measured on one finger and hold for no other
+  bool is_calibrated = false;  ///< a calibration fits it to measurements
 };
 
 /// One assumption of a model, measured on the problem at hand: it holds while `value` stays

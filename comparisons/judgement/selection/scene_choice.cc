@@ -216,7 +216,7 @@ void decide(PairUse& use, double tolerance) {
   options.demand.quantities.fill(false);
   options.demand.quantities[std::size_t(Quantity::max_torque)] = true;
   for (const PressureModel* model : all_pressure_models())
-    if (model->card().hot_path && model->card().name != "power_law")
+    if (model->card().hot_path && !model->card().is_empirical)
       options.models.emplace_back(model->card().name);
   choice.pressure = choose_for_finger(use.contact.problem, options);
   choice.friction = sufficient_friction(choice.surface_change, tolerance);
