@@ -72,7 +72,7 @@ std::string with_interval(const Interval& interval, const std::string& unit) {
                      number(interval.high), value.substr(end));
 }
 
-/// One line for each number; those that have several readings with all of them.
+/// One line for each number, with all interpretations where there are several.
 std::string inferred_text(const std::vector<Inferred>& inferred) {
   std::string text;
   std::set<std::pair<std::string, std::string>> written;
