@@ -58,7 +58,7 @@ double force_limit_N(const Problem& problem) {
   return problem.contact.load.friction_coefficient * problem.contact.load.normal_force_N;
 }
 
-/// What a twist has to give, in units with G = a = mu P = 1: the torque at each angle, that of full
+/// Expected results of a twist, in units with G = a = mu P = 1: the torque at each angle, that of full
 /// slip, and the stiffness at the start.
 struct ExpectedTwist {
   std::vector<double> angle, torque;
