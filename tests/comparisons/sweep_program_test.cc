@@ -416,6 +416,7 @@ TEST_F(SweepOnRanks, RefusesBadInput) {
   EXPECT_EQ(run("sweep.toml --output ranks"), 2);
   EXPECT_NE(messages().find("poisson_ratio = 0.7"), std::string::npos) << messages();
   EXPECT_EQ(run("--output ranks"), 2);
+  EXPECT_EQ(run("--atlas atlas.csv --tolerance 0.05 --output ranks"), 2) << "the atlas judges none";
 }
 
 #endif
