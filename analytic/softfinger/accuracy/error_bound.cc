@@ -85,9 +85,10 @@ ErrorCause cause_of(FingertipEffect effect) {
 
 /// Half-width of the torque's error band where strain, slope and curvature are small. There
 /// bonded_layer is known better than the finite elements that tested it: it is within 0.002 % of
-/// the spectral solution. The rest of the departure is at most a few times the sum of its terms'
-/// magnitudes, since their signs differ. For a, b, area and peak pressure the finite elements
-/// scatter more than such a bound, so that no run could confirm it.
+/// the spectral solution, of which kSpectral is two and a half times. The rest of the departure is
+/// at most a few times the sum of its terms' magnitudes, since their signs differ. For a, b, area
+/// and peak pressure the finite elements scatter more than such a bound, so that no run could
+/// confirm it.
 double width_of_small_departures(const FingertipArguments<double>& at, double poisson_ratio,
                                  double ring_slope) {
   constexpr double kSpectral = 5e-5, kTimes = 3;

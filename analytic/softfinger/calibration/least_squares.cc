@@ -20,8 +20,9 @@ CoordinateRange coordinate_range(Parameter parameter) noexcept {
   return {0.5 * (low + high), 0.5 * (high - low)};
 }
 
-/// Distance from a border, as a fraction of half the range, within which no search starts; a
-/// parameter within twice this distance counts as lying on the border.
+/// Distance from a border, as a fraction of half the range, within which no search starts. A
+/// parameter within twice this distance counts as lying on the border, so that a search that began
+/// next to it and did not leave it counts too.
 constexpr double kAtBorder = 1e-4;
 
 struct HeldAtBorders {
