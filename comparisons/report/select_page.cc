@@ -153,9 +153,9 @@ Html candidates_table(const Json& selection, const Json& choice) {
     }
     rows += html("<td class=\"words\">{}</td></tr>\n",
                  name == chosen                   ? Html("<b>the choice</b>")
-                 : !flag(candidate, "accurate")   ? Html("not accurate enough")
+                 : !flag(candidate, "usable")     ? Html("not accurate enough")
                  : !flag(candidate, "affordable") ? Html("too slow")
-                                                  : "enough, but slower");
+                                                  : "enough");
   }
   return "<div class=\"scroll\" tabindex=\"0\"><table class=\"numbers\"><thead><tr>" + head +
          "</tr></thead>\n<tbody>" + rows + "</tbody></table></div>\n";

@@ -939,6 +939,22 @@ TEST_F(Program, SaysTheSameErrorInEveryCommand) {
   }
 }
 
+TEST_F(Program, SelectsOnAPageThatCallsUsableModelsEnough) {
+  const ProgramRun result = run({"select", "silicone_pad_2mm", "--tolerance", "0.05", "--load", "2",
+                                 "-o", "choice", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json selected = json::parse(result.out);
+  std::ptrdiff_t usable = 0;
+  for (const json& candidate : selected["choices"][0]["candidates"])
+    usable += candidate["usable"] == true && candidate["affordable"] == true;
+  EXPECT_GE(usable, 3);
+  const std::string page = file_text(folder.path() / "choice" / "select.html");
+  const std::string enough = "<td class=\"words\">enough</td>";
+  std::ptrdiff_t said = 1;  // the choice itself
+  for (std::size_t at = 0; (at = page.find(enough, at)) != std::string::npos; ++at) ++said;
+  EXPECT_EQ(said, usable);
+}
+
 TEST_F(Program, SelectsNoModelInWordsWhereNoneIsEnough) {
   const ProgramRun result = run({"select", "silicone_pad_2mm", "--tolerance", "0.05", "--models",
                                  "hertz,winkler,thin_incompressible", "--json"});

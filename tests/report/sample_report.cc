@@ -400,7 +400,7 @@ Json sample_selection() {
                   {"max_torque", error / 6}}},
                 {"worst", error},
                 {"worst_quantity", "area"},
-                {"accurate", accurate},
+                {"usable", accurate},
                 {"affordable", true},
                 {"remark", nullptr}};
   };
