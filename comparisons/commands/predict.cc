@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <variant>
@@ -117,8 +118,11 @@ std::string tilting_text(const nlohmann::json& result) {
   const auto& limit = result["tilt_limit_Nm"];
   const auto& rolling = result["rolling_stiffness_Nm_per_rad"];
   if (limit.is_null()) return "";
+  for (const auto& one : limit)
+    if (!std::isfinite(1e3 * one.get<double>())) return "";
+  // In mN·m what is just finite in N·m no longer is.
   const auto rolls = [&](int axis) {
-    return rolling[axis].is_null()
+    return rolling[axis].is_null() || !std::isfinite(1e3 * rolling[axis].get<double>())
                ? "does not roll"
                : fmt::format("{:.4g} mN·m/rad by rolling", 1e3 * rolling[axis].get<double>());
   };

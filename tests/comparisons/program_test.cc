@@ -939,6 +939,17 @@ TEST_F(Program, SaysTheSameErrorInEveryCommand) {
   }
 }
 
+TEST_F(Program, PrintsNoInfinityWhereMillimetresOverflow) {
+  // In N·m the stiffness of rolling over 1e305 m is finite.
+  std::string text = case_text();
+  text.replace(text.find("[20.0, 10.0]"), 12, "[1e308, 2.1]");
+  const auto file = folder.write("far.toml", text);
+  const ProgramRun result = run({"predict", file.string(), "--limit-surface", "9"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(result.out.find("inf "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find("does not roll"), std::string::npos) << result.out;
+}
+
 TEST_F(Program, SelectsOnAPageThatCallsUsableModelsEnough) {
   const ProgramRun result = run({"select", "silicone_pad_2mm", "--tolerance", "0.05", "--load", "2",
                                  "-o", "choice", "--json"});
