@@ -120,7 +120,7 @@ std::vector<std::string> join_vectors(std::vector<std::string> words) {
 
 namespace {
 
-/// Where the choice of a model is made for a command without --model; else empty.
+/// Hint at the place where a command without --model has its choice of a model; else empty.
 std::string model_hint(const std::string& option, const std::string& command) {
   if (option != "--model" && option != "--models") return "";
   if (command == "sweep") return ": the models are a key of the file, [sweep] models = [\"hertz\"]";

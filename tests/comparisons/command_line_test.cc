@@ -194,6 +194,13 @@ TEST_F(CommandLine, UnderstandsWhatPeopleType) {
             std::string::npos)
       << "a slow model that is named is asked";
   EXPECT_EQ(run({"explain", "HERTZ"}).out, run({"explain", "hertz"}).out);
+  for (const auto& [command, hint] :
+       {std::pair{"sweep", "[sweep] models"}, std::pair{"simulate", "[[contact]]"},
+        std::pair{"compare", "predict, select, export"}}) {
+    const ProgramRun refused = run({command, "x.toml", "--model", "hertz"});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.err.find(hint), std::string::npos) << refused.err;
+  }
 }
 
 TEST_F(CommandLine, NamesACaseByItsFileWhereItHasNoId) {
