@@ -182,8 +182,9 @@ ElasticLayer layer_of(const Calibration& calibration) {
           calibration.values[index_of(Parameter::poisson_ratio)]};
 }
 
-/// The largest relative deviation of a layer fitted to the law over all its loads: as far as this,
-/// a power law may be off the points it was fitted to, if these were a layer's.
+/// The largest relative deviation of an elastic layer from the measured power law, to which it is
+/// fitted over all loads. A power law that was fitted to points measured on such a layer misses
+/// them by about as much.
 double misfit(const MeasuredLaw& law, const std::array<double, 2>& range_N) {
   const ElasticLayer layer = layer_of(calibrated(law, range_N));
   double largest = 0;

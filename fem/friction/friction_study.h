@@ -38,7 +38,8 @@ struct PressedContact {
 bool is_in_region(const TouchedRegion& region, const SurfaceNode& node,
                   const LayerDiscretisation& mesh);
 
-/// Sums over the model's nodes times this are sums over the contact.
+/// Number of mirror images of the model that make the whole contact, by which sums over its nodes
+/// are multiplied.
 inline int copies(const PressedContact& contact) { return contact.model.planes().images(); }
 
 /// The largest force of friction on each node of the model without friction's own effect.

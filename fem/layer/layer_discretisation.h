@@ -28,7 +28,7 @@ struct LayerDiscretisation {
   int elements_along_a() const;
   int elements_along_b() const;
 
-  /// The reach of the surface along x and y that the patch and a cell beside it need.
+  /// Half-extents of the surface along x and y that hold the patch and one cell beside it.
   Eigen::Vector2d needed_reach() const;
   bool is_within_reach() const;
 };

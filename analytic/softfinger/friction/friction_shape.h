@@ -14,8 +14,9 @@ class FrictionShape {
  public:
   virtual ~FrictionShape() = default;
 
-  /// grad h, the point of the boundary whose outward normal is `direction` (of any length but
-  /// zero), and with `hessian`, unless null, the second derivatives of h there.
+  /// Gradient of the support function h at `direction` (of any length but zero): the point of the
+  /// boundary that has this outward normal. Unless `hessian` is null, it takes the second
+  /// derivatives of h.
   virtual Eigen::Vector3d boundary(const Eigen::Vector3d& direction,
                                    Eigen::Matrix3d* hessian) const noexcept = 0;
 };

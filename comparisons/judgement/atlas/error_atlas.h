@@ -86,7 +86,8 @@ std::string to_csv(const AtlasFile& atlas);
 /// @throws InputError(file, line)
 AtlasFile parse_atlas(const std::string& text, const std::string& file);
 
-/// Bounds of a model's errors for a contact, from the runs around it.
+/// Bounds of a model's errors for a contact, from the atlas's finite-element runs with the nearest
+/// parameters.
 class ErrorAtlas {
  public:
   explicit ErrorAtlas(AtlasFile atlas);

@@ -12,7 +12,8 @@ struct TorqueContact {
   double a = 0, b = 0, arm = 0;
 };
 
-/// Signed relative parts: (1 + ellipse) (1 + pressure) = predicted arm / true arm.
+/// The relative error of the torque's arm (largest torque over friction force), in signed parts:
+/// (1 + ellipse) (1 + pressure) = predicted arm / true arm.
 struct TorqueCauses {
   double ellipse = 0;   ///< arm(model's a, b; model's n) / arm(true a, b; model's n) - 1
   double pressure = 0;  ///< arm(true a, b; model's n) / true arm - 1

@@ -30,7 +30,8 @@ struct FittedFingertip {
 /// geometric mean.
 FittedFingertip fit_fingertip(const AtlasFile& atlas);
 
-/// The installed fit's bounds of all models, tested on runs.
+/// Tests the error bounds of all models, as they are compiled into the program, on finite-element
+/// runs that were not used to fit them.
 std::map<std::string, BoundTest> test_bounds_on_fingers(const AtlasFile& unseen);
 
 /// The file analytic/softfinger/layer/fingertip_layer_table.cc.

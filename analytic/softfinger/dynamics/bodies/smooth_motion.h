@@ -41,7 +41,8 @@ class SmoothMotion {
 
   const Eigen::VectorXd& mean_velocity() const { return mean_velocity_; }  ///< u
 
-  /// Does the prepared step. @return false, with the bodies as they were, as `prepare`
+  /// Does the prepared step. @return false where the equations are not solved to round-off; the
+  /// bodies then stay as they were
   bool finish(Multibody& bodies, const Multibody::Tree& tree, double time_step_s,
               const ConstrainedMass& mass);
 

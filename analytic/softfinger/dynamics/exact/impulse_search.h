@@ -30,7 +30,8 @@ class ImpulseSearch {
   /// The best point so far.
   BestPoint& best() { return best_; }
 
-  /// Starts from the normal impulses `normal(contact)` alone, by a few of Gauss-Seidel's sweeps.
+  /// Makes the first guess of all impulses: the normal ones are `normal(contact)`, those of
+  /// friction are zero, and `sweeps` Gauss-Seidel sweeps improve both.
   template <class Normal>
   void start_from(const Normal& normal, int sweeps);
   /// Solves from `impulse`, which may be far from the solution: proximal points first, then

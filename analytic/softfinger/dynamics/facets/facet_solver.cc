@@ -20,7 +20,8 @@ namespace {
 
 /// The largest violation by the last solution, over the natural size, for which no vertex is added.
 constexpr double kToleratedViolation = 1e-13;
-/// Number of attempts after which any solution will do, good or not.
+/// Number of the attempt from which on the first solution within kSolved ends the search. Earlier
+/// attempts go on to a smaller residual.
 constexpr int kAttemptsForGood = 4;
 /// Number of the first attempt with a changed diagonal of W, after six rounds of attempts.
 constexpr int kFirstProximal = 24;

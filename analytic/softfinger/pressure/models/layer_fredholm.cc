@@ -93,7 +93,7 @@ class LayerFredholm final : public PressureModel {
     const double modulus_Pa = combined_modulus_Pa(problem);
     const double radius_m = mean_radius_m(problem);
     const double scaled_load_m2 = problem.load.normal_force_N / modulus_Pa;
-    // 3 P R/(4 E*) is the cube of Hertz's radius.
+    // The cube of Hertz's radius, 3 P R/(4 E*), must be a number with all its digits.
     if (!(scaled_load_m2 * radius_m > 1e-290 && scaled_load_m2 * radius_m < 1e290))
       return no_answer(not_representable());
     try {
