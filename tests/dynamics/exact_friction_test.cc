@@ -89,12 +89,43 @@ TEST(ExactFriction, SlidesAgainstTheVelocityOfASingleContact) {
   ContactSolution solution;
   const LcpResult result = solve_exactly(block_on_floor({-0.3, 0.8, -0.6, 3}, 0.7, 0.5), solution);
   ASSERT_EQ(result.status, LcpStatus::solved);
+  EXPECT_EQ(result.solved_by, SolvedBy::first_start);
   const Eigen::Vector3d wrench = -0.7 * 0.6 * slip.normalized();
   EXPECT_NEAR(solution.impulse[0], 0.6, kExactRoundOff);
   EXPECT_NEAR(solution.impulse[1], wrench.x(), kExactRoundOff);
   EXPECT_NEAR(solution.impulse[2], wrench.y(), kExactRoundOff);
   EXPECT_NEAR(solution.impulse[3], 0.5 * wrench.z(), kExactRoundOff);
   EXPECT_NEAR(solution.slip[0], slip.norm() - 0.5 * 0.7 * 0.6, kExactRoundOff);
+}
+
+// Four corners and the middle of a face carry a block at rest: every sum of pressures with the
+// weight and no moment is a solution, of which equal ones are the least.
+TEST(ExactFriction, TakesTheLeastOfAllImpulses) {
+  constexpr int kContacts = 5;
+  constexpr double kInverseMass = 1 / 0.2, kInverseInertia = 1 / 1e-4, kFall_m_per_s = 9.81e-3;
+  constexpr double kX_m[] = {0.03, 0.03, -0.03, -0.03, 0}, kY_m[] = {0.02, -0.02, 0.02, -0.02, 0};
+  Eigen::Matrix<double, 4 * kContacts, 6> jacobian =
+      Eigen::Matrix<double, 4 * kContacts, 6>::Zero();
+  for (int i = 0; i < kContacts; ++i) {
+    jacobian.row(4 * i) << 0, 0, 1, kY_m[i], -kX_m[i], 0;
+    jacobian.row(4 * i + 1) << 1, 0, 0, 0, 0, -kY_m[i];
+    jacobian.row(4 * i + 2) << 0, 1, 0, 0, 0, kX_m[i];
+    jacobian.row(4 * i + 3) << 0, 0, 0, 0, 0, 1;
+  }
+  Eigen::Matrix<double, 6, 1> inverse, falling = Eigen::Matrix<double, 6, 1>::Zero();
+  inverse << kInverseMass, kInverseMass, kInverseMass, kInverseInertia, kInverseInertia,
+      kInverseInertia;
+  falling[2] = -kFall_m_per_s;
+  ContactLcp problem;
+  problem.delassus = jacobian * inverse.asDiagonal() * jacobian.transpose();
+  problem.free_velocity = jacobian * falling;
+  problem.friction_coefficient.setConstant(kContacts, 0.5);
+  problem.eccentricity_m.setConstant(kContacts, 2e-3);
+  problem.friction_rule = FrictionRule::ellipsoid;
+  ContactSolution solution;
+  ASSERT_EQ(solve_exactly(problem, solution).status, LcpStatus::solved);
+  for (int i = 0; i < kContacts; ++i)
+    EXPECT_NEAR(solution.impulse[4 * i], kFall_m_per_s / kInverseMass / kContacts, 1e-9) << i;
 }
 
 TEST(ExactFriction, PinchHoldsToTheLimitAndSlipsBeyondIt) {

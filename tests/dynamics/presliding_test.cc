@@ -52,6 +52,36 @@ TEST(PreslidingElements, ReachTheLimitAndNoMore) {
   EXPECT_NEAR(elements.wrench().z(), kTorque_Nm, 1e-2 * kTorque_Nm);
 }
 
+TEST(PreslidingElements, HoldForceAndTorqueNearlyWithinOneEllipsoid) {
+  std::mt19937 random(6);
+  std::normal_distribution<double> normal(0, 1);
+  for (int path = 0; path < 50; ++path) {
+    PreslidingElements elements = pressed(ShiftCurve(1. / 3), TwistCurve(0.5));
+    const Eigen::Vector3d step =
+        displacement(0.3 * normal(random), 0.3 * normal(random), 0.3 * normal(random));
+    for (int i = 0; i < 200; ++i) elements.move(step);
+    const Eigen::Vector3d wrench = elements.wrench();
+    const double used = std::hypot(wrench.head<2>().norm() / kForce_N, wrench.z() / kTorque_Nm);
+    // Elements differ in their limit of force over that of torque, so that the sum of their
+    // ellipsoids is some per cent larger than the contact's. A cylinder's corner would be at 1.41.
+    EXPECT_LE(used, 1.06);
+    EXPECT_GE(used, 1 - 1e-12);
+  }
+}
+
+TEST(PreslidingElements, KeepTheirStrainWhereTheySoften) {
+  PreslidingElements elements = pressed(ShiftCurve(1. / 3), TwistCurve(0.5));
+  elements.move(displacement(0.02, -0.01, 0.01));  // no element slides
+  const Eigen::Vector3d before = elements.wrench();
+  elements.set_limits({kStuck.torsional_Nm_per_rad / 2, kStuck.tangential_x_N_per_m / 4,
+                       kStuck.tangential_y_N_per_m},
+                      kForce_N, kTorque_Nm);
+  const Eigen::Vector3d after = elements.wrench();
+  EXPECT_NEAR(after.x(), before.x() / 4, 1e-12);
+  EXPECT_NEAR(after.y(), before.y(), 1e-12);
+  EXPECT_NEAR(after.z(), before.z() / 2, 1e-15);
+}
+
 // The load history is that of a time step: the contact exerts the wrench at the start less
 // displacement over compliance. Whatever the motion and the load, the springs gain no more than the
 // bodies gave.
