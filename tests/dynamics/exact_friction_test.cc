@@ -98,34 +98,50 @@ TEST(ExactFriction, SlidesAgainstTheVelocityOfASingleContact) {
   EXPECT_NEAR(solution.slip[0], slip.norm() - 0.5 * 0.7 * 0.6, kExactRoundOff);
 }
 
-// Four corners and the middle of a face carry a block at rest: every sum of pressures with the
-// weight and no moment is a solution, of which equal ones are the least.
+// Four corners and the middle of a face carry a block at rest, whose weight acts beside the middle:
+// pressures that balance it are solutions. That of the least norm, in impulses over 1/sqrt(W_ii),
+// solves a linear equation.
 TEST(ExactFriction, TakesTheLeastOfAllImpulses) {
   constexpr int kContacts = 5;
-  constexpr double kInverseMass = 1 / 0.2, kInverseInertia = 1 / 1e-4, kFall_m_per_s = 9.81e-3;
-  constexpr double kX_m[] = {0.03, 0.03, -0.03, -0.03, 0}, kY_m[] = {0.02, -0.02, 0.02, -0.02, 0};
+  constexpr double kInverseMass = 1 / 0.2, kInverseInertia = 1 / 1e-4;
+  const Eigen::Matrix<double, kContacts, 1> x_m{0.03, 0.03, -0.03, -0.03, 0},
+      y_m{0.02, -0.02, 0.02, -0.02, 0};
+  const Eigen::Vector3d weight = 2e-3 * Eigen::Vector3d(1, 4e-3, -7e-3);  // P, P y, -P x
   Eigen::Matrix<double, 4 * kContacts, 6> jacobian =
       Eigen::Matrix<double, 4 * kContacts, 6>::Zero();
+  Eigen::Matrix<double, 3, kContacts> balance;
   for (int i = 0; i < kContacts; ++i) {
-    jacobian.row(4 * i) << 0, 0, 1, kY_m[i], -kX_m[i], 0;
-    jacobian.row(4 * i + 1) << 1, 0, 0, 0, 0, -kY_m[i];
-    jacobian.row(4 * i + 2) << 0, 1, 0, 0, 0, kX_m[i];
+    jacobian.row(4 * i) << 0, 0, 1, y_m[i], -x_m[i], 0;
+    jacobian.row(4 * i + 1) << 1, 0, 0, 0, 0, -y_m[i];
+    jacobian.row(4 * i + 2) << 0, 1, 0, 0, 0, x_m[i];
     jacobian.row(4 * i + 3) << 0, 0, 0, 0, 0, 1;
+    balance.col(i) << 1, y_m[i], -x_m[i];
   }
-  Eigen::Matrix<double, 6, 1> inverse, falling = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> inverse, impulse = Eigen::Matrix<double, 6, 1>::Zero();
   inverse << kInverseMass, kInverseMass, kInverseMass, kInverseInertia, kInverseInertia,
       kInverseInertia;
-  falling[2] = -kFall_m_per_s;
+  impulse.segment<3>(2) = -weight;
   ContactLcp problem;
   problem.delassus = jacobian * inverse.asDiagonal() * jacobian.transpose();
-  problem.free_velocity = jacobian * falling;
+  problem.free_velocity = jacobian * inverse.cwiseProduct(impulse);
   problem.friction_coefficient.setConstant(kContacts, 0.5);
   problem.eccentricity_m.setConstant(kContacts, 2e-3);
   problem.friction_rule = FrictionRule::ellipsoid;
+  Eigen::Matrix<double, kContacts, 1> share;
+  for (int i = 0; i < kContacts; ++i) share[i] = 1 / problem.delassus(4 * i, 4 * i);
+  const Eigen::Matrix3d normal = balance * share.asDiagonal() * balance.transpose();
+  const Eigen::Matrix<double, kContacts, 1> least =
+      share.cwiseProduct(balance.transpose() * normal.inverse() * weight);
+  ASSERT_GT(least.minCoeff(), 0) << "no contact opens";
+  // Continued from another balance, whose middle carries more, and which is none of this weight.
+  ContactLcp before = problem;
+  before.free_velocity[4 * 4] *= 3;
+  ContactLcpSolver solver(kContacts, 1);
   ContactSolution solution;
-  ASSERT_EQ(solve_exactly(problem, solution).status, LcpStatus::solved);
-  for (int i = 0; i < kContacts; ++i)
-    EXPECT_NEAR(solution.impulse[4 * i], kFall_m_per_s / kInverseMass / kContacts, 1e-9) << i;
+  ASSERT_EQ(solver.solve(before, solution).status, LcpStatus::solved);
+  const std::vector<int> all = {0, 1, 2, 3, 4};
+  ASSERT_EQ(solver.solve(problem, solution, &all).status, LcpStatus::solved);
+  for (int i = 0; i < kContacts; ++i) EXPECT_NEAR(solution.impulse[4 * i], least[i], 1e-10) << i;
 }
 
 TEST(ExactFriction, PinchHoldsToTheLimitAndSlipsBeyondIt) {
