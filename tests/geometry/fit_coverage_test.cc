@@ -106,8 +106,10 @@ TEST(QuadricFitCoverage, TwoStandardDeviationsHoldBothRadiiOfNoisyQuadrics) {
     EXPECT_GE(both / n, 0.93 - allowance) << name;
     // Median of |error| over the stated deviation. It is 0.67 for a normal distribution, and 0.60
     // if two deviations contain both of two values in 95 % of the cases. Where the noise is not
-    // small, the far end of the interval determines the deviation, and the median is smaller.
-    const bool small_noise = options.noise != NoiseScale::curvature_radius;
+    // small, the far end of the interval determines the deviation, and noisy vertices leave open
+    // how the surface departs from circles: the median is smaller.
+    const bool small_noise =
+        options.noise != NoiseScale::curvature_radius && options.noise != NoiseScale::region_radius;
     if (trials < 100) continue;  // no median of a few
     for (std::size_t i = 0; i < 2; ++i) {
       EXPECT_GE(median(normalised[i]), small_noise ? 0.35 : 0.15) << name;

@@ -28,9 +28,17 @@ struct ContactPatch {
   std::optional<QuadricFit> finger_fit, object_fit;  ///< set for mesh bodies
   double predicted_area_m2 = 0;                      ///< of the contact, for the final radii
   double region_area_m2 = 0;                         ///< pi times the region's radius squared
-  /// Over regions of 0.8 and of 1.25 times the radius, where they are elliptic: how much the answer
-  /// depends on the region, because no body is a quadric all over.
-  std::vector<RelativeRadii> radii_of_other_regions;
+  /// A region of 0.8 or of 1.25 times the radius.
+  struct OtherRegion {
+    RelativeRadii radii;
+    /// By how many standard deviations of this patch noise alone makes the radii differ. Of two
+    /// estimates, one of which uses what the other one uses and more, the difference has the
+    /// difference of the variances (Hausman 1978).
+    double noise = 0;
+  };
+  /// Where they are elliptic: how much the answer depends on the region, because no body is a
+  /// quadric all over.
+  std::vector<OtherRegion> other_regions;
   /// Share of the region that the surface covers, at most 1: less where it ends within the region.
   double covered = 1;
   /// How far the bodies' surfaces may lie from their facets within the contact, together: a facet's
