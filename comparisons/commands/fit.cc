@@ -61,7 +61,7 @@ int run_fit(const FitOptions& options) {
                      "a finite number > 0, in mm");
 
   const auto path = system::find_mesh_file(options.mesh, "");
-  const auto file = read_typed_surface(path.string(), options.unit);
+  const auto file = read_typed_skin(path.string(), options.unit, "--point", options.point);
   const Eigen::Vector3d point_m = file.metres_per_unit * typed_point;
   std::vector<std::string> remarks;  // the answer comes first
   for (const std::string& note : {meshes::repairs(file), finger_unit_remark(file)})
@@ -127,6 +127,7 @@ int run_fit(const FitOptions& options) {
     object["degenerate_triangles"] = file.degenerate_triangles;
     object["duplicate_triangles"] = file.duplicate_triangles;
     object["turned_triangles"] = file.turned_triangles;
+    object["hidden_triangles"] = file.hidden_triangles;
     system::write_to_stdout(text::printed(object));
     say_remarks();
     return 0;

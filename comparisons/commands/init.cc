@@ -41,7 +41,7 @@ std::string geometry_text(const InitOptions& options) {
            "tip.stl\n";
   const std::string path =
       system::find_mesh_file(options.mesh, fs::path(options.file).parent_path()).string();
-  const meshes::SurfaceFile file = read_typed_surface(path, options.unit);
+  const meshes::SurfaceFile file = read_typed_skin(path, options.unit, "--near", options.near);
   const std::string unit = input::unit_name(file.metres_per_unit);
   // A typed unit is in the case, whose reader doubts it.
   if (const std::string doubt = finger_unit_remark(file); file.is_unit_guessed && !doubt.empty())

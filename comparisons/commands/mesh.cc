@@ -33,9 +33,10 @@ struct ReadMesh {
   std::string unit, doubt;  ///< about the unit, or how it was guessed
 };
 
-ReadMesh read_mesh(const std::string& path, const std::string& typed_unit) {
+ReadMesh read_mesh(const std::string& path, const std::string& typed_unit,
+                   const std::string& near) {
   ReadMesh read;
-  read.file = read_typed_surface(path, typed_unit);
+  read.file = read_typed_skin(path, typed_unit, "--near", near);
   read.unit = input::unit_name(read.file.metres_per_unit);
   read.doubt = finger_unit_remark(read.file);
   return read;
@@ -90,6 +91,7 @@ nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read,
           {"degenerate_triangles", read.file.degenerate_triangles},
           {"duplicate_triangles", read.file.duplicate_triangles},
           {"turned_triangles", read.file.turned_triangles},
+          {"hidden_triangles", read.file.hidden_triangles},
           {"points", list},
           {"page", options.write_page ? nlohmann::json(options.page) : nlohmann::json()},
           {"picture", options.write_picture ? nlohmann::json(options.picture) : nlohmann::json()}};
@@ -140,7 +142,7 @@ int run_mesh(const MeshOptions& options) {
   if (options.write_picture && options.picture.empty())
     throw InputError("command line", "--picture", "\"\"", "the name of a PNG file");
   const auto path = system::find_mesh_file(options.file, "");
-  const ReadMesh read = read_mesh(path.string(), options.unit);
+  const ReadMesh read = read_mesh(path.string(), options.unit, options.near);
   const std::vector<report::MeshPoint> points = points_of(options, read, path.string());
   const std::string repairs = meshes::repairs(read.file);
   if (options.write_page) {

@@ -39,6 +39,18 @@ meshes::SurfaceFile read_typed_surface(const std::string& path, const std::strin
   return file;
 }
 
+meshes::SurfaceFile read_typed_skin(const std::string& path, const std::string& unit,
+                                    const std::string& flag, const std::string& point) {
+  meshes::SurfaceFile file = read_typed_surface(path, unit);
+  std::vector<Eigen::Vector3d> touched_m;
+  if (!point.empty())
+    touched_m.push_back(
+        file.metres_per_unit *
+        parse_vector(flag, point, "X,Y,Z: three finite numbers in the mesh's unit"));
+  prediction::keep_outer_skin(file, touched_m);
+  return file;
+}
+
 std::string finger_unit_remark(const meshes::SurfaceFile& file) {
   return input::unit_remark(file, input::MeshRole::finger, input::UnitIsTold::on_the_command_line);
 }

@@ -19,6 +19,11 @@ Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
 /// @throws InputError as meshes::read_surface, and for a guess that makes no finger of it
 meshes::SurfaceFile read_typed_surface(const std::string& path, const std::string& unit);
 
+/// The same, but of its triangles only the outer skin.
+/// @param flag, point  X,Y,Z as typed, where the body is touched, in the mesh's unit; may be empty
+meshes::SurfaceFile read_typed_skin(const std::string& path, const std::string& unit,
+                                    const std::string& flag, const std::string& point);
+
 /// A remark on the unit, for commands that have --unit, or empty.
 std::string finger_unit_remark(const meshes::SurfaceFile& file);
 

@@ -115,6 +115,12 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
                        "does not exist");
     auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
     const bool is_finger = body == &pair->finger;
+    std::vector<Eigen::Vector3d> touched_m;
+    for (const input::CaseBody* other : {&pair->finger, &pair->object})
+      if (const auto* also = std::get_if<input::MeshBody>(other);
+          also && also->path == mesh->path && !also->along)
+        touched_m.push_back(also->near_m ? *also->near_m : also->point_m);
+    keep_outer_skin(file, touched_m);
     if (is_finger) input::require_finger_size(file, mesh->where, input::UnitIsTold::in_a_file);
     for (const std::string& text :
          {meshes::repairs(file),

@@ -159,4 +159,37 @@ TriangleSurface seen_surface(const TriangleSurface& surface, double within) {
   return seen;
 }
 
+TriangleSurface outer_skin(const TriangleSurface& surface) {
+  std::vector<std::size_t> facets;
+  std::vector<Vector3d> normals(surface.triangles.size(), Vector3d::Zero());
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const auto corner = [&](std::size_t c) -> const Vector3d& {
+      return surface.vertices_m[static_cast<std::size_t>(surface.triangles[f][c])];
+    };
+    const Vector3d area = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+    if (!(area.norm() > 0)) continue;
+    normals[f] = area.normalized();
+    facets.push_back(f);
+  }
+  std::vector<bool> left_out(surface.triangles.size());
+  const std::vector<bool> hidden = hidden_facets(surface, facets, normals);
+  for (std::size_t i = 0; i < facets.size(); ++i) left_out[facets[i]] = hidden[i];
+  TriangleSurface skin;
+  std::vector<int> renumbered(surface.vertices_m.size(), -1);
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    if (left_out[f]) continue;
+    std::array<int, 3> triangle = surface.triangles[f];
+    for (int& corner : triangle) {
+      int& number = renumbered[static_cast<std::size_t>(corner)];
+      if (number < 0) {
+        number = static_cast<int>(skin.vertices_m.size());
+        skin.vertices_m.push_back(surface.vertices_m[static_cast<std::size_t>(corner)]);
+      }
+      corner = number;
+    }
+    skin.triangles.push_back(triangle);
+  }
+  return skin;
+}
+
 }  // namespace softfinger::meshes

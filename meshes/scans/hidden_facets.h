@@ -25,4 +25,8 @@ std::vector<bool> hidden_facets(const TriangleSurface& surface,
 /// from the origin. Vertices keep their numbers.
 TriangleSurface seen_surface(const TriangleSurface& surface, double within);
 
+/// The surface without its hidden facets and without the vertices that only these have. Normals of
+/// facets without an area do not matter: those stay.
+TriangleSurface outer_skin(const TriangleSurface& surface);
+
 }  // namespace softfinger::meshes

@@ -51,6 +51,18 @@ long count(const std::vector<bool>& hidden, std::size_t from, std::size_t to) {
                     hidden.begin() + static_cast<long>(to), true);
 }
 
+TEST(HiddenFacets, AreLeftOutOfTheOuterSkinWithTheirVertices) {
+  TriangleSurface surface = inside_out(sphere(0.9 * skin_m, 1e-3));
+  const TriangleSurface outside = sphere(skin_m, 1e-3);
+  add_to(surface, outside);
+  surface.triangles.push_back({0, 0, 1});  // without an area: nobody sees it, and it stays
+  const TriangleSurface skin = outer_skin(surface);
+  EXPECT_EQ(skin.triangles.size(), outside.triangles.size() + 1);
+  EXPECT_EQ(skin.vertices_m.size(), outside.vertices_m.size() + 2);
+  for (const auto& triangle : skin.triangles)
+    for (const int corner : triangle) EXPECT_LT(std::size_t(corner), skin.vertices_m.size());
+}
+
 TEST(HiddenFacets, AreThoseOfAnInnerWallAndOfACore) {
   TriangleSurface surface = sphere(skin_m, 1e-3);
   const std::size_t skin = surface.triangles.size();

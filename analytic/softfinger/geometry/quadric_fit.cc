@@ -505,7 +505,9 @@ double waviness(const Facets& facets, const Eigen::VectorXd& left_over,
 /// expected of them, and how large the vertices' errors are, is chosen such that the residuals are
 /// most likely (empirical Bayes): many exact vertices determine the terms, few or noisy ones leave
 /// them as expected, and the covariance says how much is left open.
-HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Residuals& r) {
+/// @param rounding  standard deviation of the coordinates' last digit
+HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Residuals& r,
+                           double rounding) {
   using Columns6 = Eigen::Matrix<double, kUnknowns, kHigher>;
   using Square = Eigen::Matrix<double, kHigher, kHigher>;
   HigherOrders result;
@@ -613,6 +615,8 @@ HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Re
   const double unknown = std::sqrt(open_core.trace() / (kHigher * width2));
   constexpr double kSeries = 0.1;
   const Vector3d cut_off = std::max(kSeries, unknown) * (first * expected.beyond);
+  // It shows in no residual where whole rings of vertices are rounded alike, as around a pole.
+  variance = std::max(variance, rounding * rounding);
   const Vector3d unsettled = turn.head<3>();  // few vertices may leave it turning
   const Vector3d unlike = kSeries * departed.head<3>();
   result.covariance = kCoverageQuantile * kCoverageQuantile / 4 *
@@ -946,8 +950,11 @@ QuadricFit fit_region(const SurfaceNeighbourhood& neighbourhood, double region_r
   if (reading == Reading::facets) facets.take_as_chords(0);
   RobustFit found = fit_without_spikes(facets, region);
   const double chords = reading == Reading::vertices ? chord_share(facets, found.fit) : 1;
+  // Mesh files carry single precision. Of a rounded number the error is 1/sqrt(12) of its step.
+  const double rounding = std::sqrt(1.0 / 12) * std::numeric_limits<float>::epsilon() *
+                          neighbourhood.centre_m().cwiseAbs().maxCoeff() / region_radius_m;
   HigherOrders higher = reading == Reading::vertices
-                            ? higher_orders(facets, found.fit, found.scatter)
+                            ? higher_orders(facets, found.fit, found.scatter, rounding)
                             : expected_orders(facets, found.fit, found.scatter);
   Apex apex = apex_of(found.fit, found.fit.coefficients + higher.change);
   if (chords < 1) {
