@@ -372,6 +372,26 @@ TEST(QuadricFit, RefusesWhatDoesNotDetermineAQuadric) {
   expect("conic", strip, {5e-3, 0.5e-3, 0}, nullptr, 4e-3);
 }
 
+TEST(QuadricFit, EndsOnCrumpledSurfaces) {
+  // Heights as large as the cells are wide: no surface of few terms follows them.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int trial = 0; trial < 50; ++trial) {
+    const double height = std::pow(10, 2 * unit(random));
+    auto surface =
+        samples::graph(5e-3, 6, [&](double, double) { return height * 2e-3 * unit(random); });
+    try {
+      const auto fit = fit_quadric(surface, surface.vertices_m[24], nullptr, 4e-3);
+      for (int i : {0, 1}) {
+        EXPECT_FALSE(std::isnan(fit.principal.radii_m[i]));
+        EXPECT_FALSE(std::isnan(fit.radii_std_m[i]));
+      }
+    } catch (const InputError&) {
+    } catch (const ConvergenceError&) {
+    }
+  }
+}
+
 TEST(QuadricFit, PassesOverDegenerateTriangles) {
   auto surface = samples::quadric(5e-3, 10, 20e-3, 20e-3);
   const auto clean = fit_quadric(surface, Vector3d::Zero(), nullptr, 3e-3);

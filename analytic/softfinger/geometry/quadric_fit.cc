@@ -542,6 +542,14 @@ HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Re
     Evidence evidence;
     evidence.freedom = std::max(1, r.freedom);
     evidence.rest = misfit.cwiseAbs2().dot(weights);
+    // What is expected of a surface so curved grows without end: nothing is known of its apex.
+    constexpr double kRunsAway = 20;
+    const double of_fit = fit.coefficients.head<3>().norm();
+    if (!std::isfinite(evidence.rest) || !(quadric.head<3>().norm() <= kRunsAway * of_fit)) {
+      result.change.setZero();
+      result.covariance.setConstant(kInfinity);
+      return result;
+    }
     const double largest = std::max(2 * evidence.rest / evidence.freedom, 4 * floor);
     const double none = 1e-12 * std::max(eigen.eigenvalues()[kHigher - 1], 0.0);
     for (int i = 0; i < kHigher; ++i) {
