@@ -350,7 +350,7 @@ Solid solid(const Shape& shape, const std::string& where) {
   return result;
 }
 
-/// The same of all shapes of a body together; where they overlap, their volume counts twice.
+/// Solid made of all shapes of a body; where they overlap, their volume counts twice.
 Solid united(const std::vector<Shape>& shapes, const std::string& where) {
   Solid sum;
   std::vector<Solid> parts;
@@ -878,7 +878,8 @@ void SceneReader::start_joints(Multibody bodies) {
     return of.is_angular ? bodies.angular_velocity(of.body)
                          : bodies.velocity_at(of.body, bodies.center_of_mass_m(of.body));
   };
-  // The velocities of the bodies are linear in those of the joints; free bodies keep their own.
+  // The bodies' velocities are linear in those of the joints. Degrees of freedom that move a free
+  // body are left out of the fit, so that free bodies keep the velocities they were given.
   const auto moves_free_body = [&] {
     for (std::size_t b = 0; b < joint_of.size(); ++b)
       if (!is_held[b] && bodies.moves(int(b)) &&
@@ -907,7 +908,7 @@ void SceneReader::start_joints(Multibody bodies) {
   scene_.start_velocity = start + allowed * Solver(rows * allowed).solve(wanted);
   bodies.set_velocity(scene_.start_velocity);
   for (const Typed& of : typed) {
-    // What is typed is rounded.
+    // Typed velocities are rounded and need not match exactly.
     constexpr double kRounding = 1e-3, kLeast = 1e-9;
     const double unit = of.is_angular ? kDegree : kMillimetre;
     const Eigen::Vector3d nearest = velocity_of(of);

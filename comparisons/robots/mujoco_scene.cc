@@ -276,7 +276,8 @@ class Importer {
     const Eigen::Map<const Eigen::VectorXd> speeds(velocity.data(), m_->nv);
     const Vector3d moves = linear * speeds, turns = angular * speeds;
     std::string lines;
-    // What is not said of a body on a joint is left to the others, therefore its zeros are said.
+    // A velocity that is not stated of a body on a joint follows from the others, so zeros are
+    // stated.
     if (joints_move_ || !moves.isZero(0))
       lines += fmt::format("velocity_mm_per_s = {}\n", list(kMillimetres * moves));
     if (joints_move_ || !turns.isZero(0))
@@ -440,7 +441,8 @@ class Importer {
     motor.most += std::abs(gear) * most_force(a, own);
   }
 
-  /// Of an actuator: its force range, and of a pure motor gain times the range of its control.
+  /// Largest force of an actuator: that of its force range, and for a pure motor at most the gain
+  /// times the range of its control.
   double most_force(int a, const std::string& own) {
     double most = std::numeric_limits<double>::infinity();
     const auto limit = [&](const char* what, const double* range, double gain) {

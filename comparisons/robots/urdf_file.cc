@@ -19,7 +19,7 @@ std::string attribute(const XMLElement& element, const char* name) {
   return value ? value : "";
 }
 
-/// Where there is none, URDF has 0.
+/// Number in an attribute; 0 where there is none, as in URDF.
 double number(const XMLElement& limit, const char* name, const std::string& where) {
   double value = 0;
   if (limit.QueryDoubleAttribute(name, &value) == tinyxml2::XML_WRONG_ATTRIBUTE_TYPE)

@@ -6,7 +6,7 @@
 
 namespace softfinger::robots {
 
-/// What MuJoCo does not read of a URDF file.
+/// URDF file prepared for MuJoCo, and what MuJoCo does not read of it.
 struct UrdfFile {
   std::vector<std::string> notes;  ///< what is left out, a sentence each
   std::string with_all_links;      ///< the file, so that MuJoCo keeps links on fixed joints apart

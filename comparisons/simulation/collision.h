@@ -10,7 +10,7 @@
 
 namespace softfinger::simulation {
 
-/// Where two bodies touch was not found; in words, with their names.
+/// Failure to find where two bodies touch; in words, with their names.
 class CollisionError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -37,7 +37,7 @@ class CollisionDetector {
   /// @throws InputError(file) when bodies overlap by more than 1e-4 of the smaller one's size.
   void require_no_overlap(const Multibody& bodies);
 
-  /// How often quadrics were fitted to meshes so far.
+  /// Number of quadrics that were fitted to meshes so far.
   int fits() const;
 
  private:

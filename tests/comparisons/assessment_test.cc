@@ -66,7 +66,8 @@ TEST(FingerCurvature, FollowsFromTheBodies) {
   EXPECT_EQ(ball[0], 0);
   EXPECT_EQ(ball[1], 0);
   EXPECT_EQ(share("relative_radii_mm = [20, 9]")[0], 0) << "a flat layer";
-  // Crossed cylinders: the gap is as curved along x by the object as along y by the finger.
+  // Crossed cylinders: along the finger's x axis only the object is curved, along y only the
+  // finger.
   const auto crossed =
       share("finger.radii_mm = [inf, 9]\nobject.radii_mm = [inf, 12]\nangle_deg = 90");
   EXPECT_NEAR(crossed[0] + crossed[1], 1, 1e-12);
@@ -236,7 +237,7 @@ TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {
       const double chance = 2 * std::sqrt(0.95 * 0.05 / double(test.runs));
       for (std::size_t q = 0; q < prediction::kQuantities; ++q) {
         EXPECT_GE(test.inside[q], 0.95 - chance) << prediction::kQuantityNames[q];
-        // Of a dozen round contacts, which layer_fredholm answers here, no median is known.
+        // layer_fredholm answers only a dozen round contacts here: too few for a median.
         if (test.runs > 50) {
           EXPECT_LE(test.ratio[q], largest_ratio(model)) << prediction::kQuantityNames[q];
         }
@@ -245,8 +246,8 @@ TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {
   }
 }
 
-/// What is asked of the model, on runs that nothing was fitted to: 95 % of the errors within 2 % in
-/// the semi-axes and the torque, 3 % in indentation and area, 5 % in the peak pressure.
+/// Accuracy required of the model on runs that nothing was fitted to: 95 % of the errors within 2 %
+/// in the semi-axes and the torque, 3 % in indentation and area, 5 % in the peak pressure.
 TEST(FingertipLayer, IsWithinTwoPerCentOfUnseenFingers) {
   const judgement::AtlasFile unseen = atlas_of("fingertips_unseen.csv");
   ASSERT_GE(unseen.runs.size(), 200u);

@@ -75,9 +75,9 @@ std::vector<Mode> expansion(int radial, int angular) {
   return modes;
 }
 
-/// Fourier coefficients over the directions psi of the wave vector, j = 0, 1, ... 2 angular:
-/// int cos(2 j psi) [closed form of the half-space - layer_part](g(psi)) / g dpsi, with
-/// g = |(cos psi/a, sin psi/b)|.
+/// Fourier coefficients over the directions psi of the wave vector, j = 0, 1, ... 2 angular, each a
+/// matrix over the radial modes: the integral of cos(2 j psi) (D - layer_part(g)) / g, where D is
+/// the half-space's part in closed form, a diagonal, and g(psi) = |(cos psi/a, sin psi/b)|.
 std::vector<MatrixXd> harmonics_of_compliance(double a, double b, const LayerKernel& kernel,
                                               int radial, int angular) {
   // Trapezoidal rule over a quarter of the circle of directions. It converges like
@@ -222,8 +222,8 @@ double pressure_at_centre(const std::vector<Mode>& modes, const VectorXd& pressu
 
 }  // namespace
 
-// By trial. Against half as many terms more, load, torque, indentation and R'/R'' change by 1e-11
-// at a/h = 1 (round; 1e-7 at R'/R'' = 10), 2e-5 at 5 and 3e-5 up to 100.
+// Found by trial. With half as many terms more, load, torque, indentation and R'/R'' change by
+// 1e-11 at a/h = 1 (round; 1e-7 at R'/R'' = 10), 2e-5 at 5 and 3e-5 up to 100.
 SpectralResolution sufficient_resolution(double a, double b) noexcept {
   const int radial = std::min(30, int(6 + 2.2 * std::sqrt(a)));
   const int angular = a / b < 1 + 1e-9 ? 0 : std::min(8, int(4 + 2 * std::log(a / b)));
@@ -284,7 +284,7 @@ EllipticLayerContact elliptic_layer_contact_at_load(double load, double radii_ra
   constexpr double kAlmostRound = 1.001, kSlopeNearCircle = 1.8;
   const LimitShapes shapes = limit_shapes(radii_ratio);
   const LayerQuantities blend = layer_blend(shapes, std::log(load), kernel.compressibility());
-  // d ln(size)/d ln(load), which a difference tells well enough here.
+  // d ln(size)/d ln(load), for which a difference is accurate enough.
   constexpr double kStep = 1e-3;
   const double size_slope =
       (layer_blend(shapes, std::log(load) + kStep, kernel.compressibility())[kSize] -
