@@ -198,7 +198,7 @@ Drawn draw(int kind, std::mt19937& random) {
   }
 }
 
-double median(std::vector<double> values) {
+double middle_of(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -206,22 +206,20 @@ double median(std::vector<double> values) {
 }
 
 struct Tally {
-  int trials = 0, unknown = 0, refused = 0, inside = 0;
+  int trials = 0, unknown = 0, refused = 0;
+  int inside = 0;  ///< of the mean radius
+  int both = 0;    ///< of both radii
   std::vector<double> errors, bounds;
-  void add(double error, double bound) {
-    ++trials;
-    if (!std::isfinite(bound)) {
-      ++unknown;
-      ++inside;
-      return;
-    }
-    inside += error <= bound;
-    errors.push_back(error);
-    bounds.push_back(bound);
-  }
 };
 
-/// Larger of both radii's error and bound, where the error over the bound is largest.
+/// R' >= R'' and their mean, which decides the contact's area.
+constexpr int kRadii = 3;
+using Logarithms = Eigen::Matrix<double, kRadii, 1>;
+Logarithms logarithms(double major, double minor) {
+  return {std::log(major), std::log(minor), std::log(major * minor) / 2};
+}
+
+/// Error and stated bound of both radii and of their mean.
 void try_one(int kind, double edge_per_a, double noise_per_edge, bool shell, std::mt19937& random,
              Tally& tally) {
   std::uniform_real_distribution<double> unit(0, 1);
@@ -249,28 +247,49 @@ void try_one(int kind, double edge_per_a, double noise_per_edge, bool shell, std
       return;
     }
     const RelativeRadii& radii = patch.relative.radii;
-    // The mean radius decides the area: one number per trial.
-    const auto mean = [](double major, double minor) { return std::sqrt(major * minor); };
-    const double here = mean(radii.major_m, radii.minor_m);
-    const double is = mean(truth[0], truth[1]);
-    const double std = std::sqrt(std::max(0.0, patch.relative.log_radii_covariance.sum())) / 2;
+    const Logarithms here = logarithms(radii.major_m, radii.minor_m);
+    const Logarithms is = logarithms(truth[0], truth[1]);
+    const Eigen::Matrix2d& covariance = patch.relative.log_radii_covariance;
+    // As stated of each radius, and as the mean's follows from the covariance.
+    const Logarithms std{patch.relative.radii_std_m[0] / radii.major_m,
+                         patch.relative.radii_std_m[1] / radii.minor_m,
+                         std::sqrt(std::max(0.0, covariance.sum())) / 2};
     const double steps =
         std::max(1.0, std::abs(std::log(patch.region_area_m2 / (2 * patch.predicted_area_m2))) /
                           (2 * std::log(1.25)));
-    double change = patch.other_regions.empty() ? kInfinity : 0;
+    Logarithms change = Logarithms::Constant(patch.other_regions.empty() ? kInfinity : 0);
     for (const ContactPatch::OtherRegion& other : patch.other_regions) {
-      const double there = mean(other.radii.major_m, other.radii.minor_m) / here - 1;
-      const double by_noise = 2 * other.noise * std;
-      change =
-          std::max(change, steps * std::sqrt(std::max(0.0, there * there - by_noise * by_noise)));
+      const Logarithms there = logarithms(other.radii.major_m, other.radii.minor_m) - here;
+      for (int i = 0; i < kRadii; ++i) {
+        const double by_noise = 2 * other.noise * std[i];
+        change[i] =
+            std::max(change[i], steps * std::sqrt(std::max(0.0, std::pow(std::expm1(there[i]), 2) -
+                                                                    by_noise * by_noise)));
+      }
     }
-    double error = std::abs(here / is - 1);
+    Logarithms least = is, largest = is;
     if (drawn.beside) {
       const Eigen::Vector2d beside = radii_of(*drawn.beside);
-      const double other = mean(beside[0], beside[1]);
-      error = std::max({0.0, std::min(is, other) / here - 1, here / std::max(is, other) - 1});
+      least = least.cwiseMin(logarithms(beside[0], beside[1]));
+      largest = largest.cwiseMax(logarithms(beside[0], beside[1]));
     }
-    tally.add(error, std::hypot(2 * std, change));
+    ++tally.trials;
+    bool within[kRadii];
+    for (int i = 0; i < kRadii; ++i) {
+      const double error =
+          std::max({0.0, std::expm1(least[i] - here[i]), std::expm1(here[i] - largest[i])});
+      const double bound = std::hypot(2 * std[i], change[i]);
+      within[i] = !std::isfinite(bound) || error <= bound;
+      if (i + 1 < kRadii) continue;
+      if (std::isfinite(bound)) {
+        tally.errors.push_back(error);
+        tally.bounds.push_back(bound);
+      } else {
+        ++tally.unknown;
+      }
+    }
+    tally.both += within[0] && within[1];
+    tally.inside += within[2];
   } catch (const InputError&) {
     ++tally.refused;
   } catch (const ConvergenceError&) {
@@ -285,7 +304,8 @@ TEST(ApexRadii, LieWithinTheirBoundsOnMeshesOfEveryFineness) {
   const int trials = 1;
 #endif
   const std::vector<std::string> names{"sphere", "ellipsoid", "torus", "barrel", "cap", "seam"};
-  std::printf("edge/a noise/edge shell   inside unknown refused   median error, bound\n");
+  std::printf(
+      "edge/a noise/edge shell   mean inside, both radii  unknown refused   median error, bound\n");
   for (const bool shell : {false, true})
     for (const double edge : {2.0, 1.0, 0.5, 0.25, 0.1})
       for (const double noise : {0.0, 0.01, 0.05}) {
@@ -297,23 +317,33 @@ TEST(ApexRadii, LieWithinTheirBoundsOnMeshesOfEveryFineness) {
           for (int trial = 0; trial < count; ++trial)
             try_one(int(kind), edge, noise, shell, random, all);
         }
-        std::printf("%6.2f %10.2f %5d %8.3f %7d %7d   %12.6f %8.5f\n", edge, noise, shell,
-                    double(all.inside) / std::max(1, all.trials), all.unknown, all.refused,
-                    median(all.errors), median(all.bounds));
+        const double n = std::max(1, all.trials);
+        std::printf("%6.2f %10.2f %5d %13.3f %11.3f %8d %7d   %12.6f %8.5f\n", edge, noise, shell,
+                    all.inside / n, all.both / n, all.unknown, all.refused, middle_of(all.errors),
+                    middle_of(all.bounds));
         if (trials < 20) continue;
         SCOPED_TRACE(testing::Message() << edge << " a, noise " << noise << ", shell " << shell);
         // 95 %, less three deviations of as many draws.
-        const double n = all.trials;
         EXPECT_GE(all.inside / n, 0.95 - 3 * std::sqrt(0.95 * 0.05 / n));
+        EXPECT_GE(all.both / n, 0.95 - 3 * std::sqrt(0.95 * 0.05 / n));
         EXPECT_LE(all.unknown, 0.05 * n);
-        EXPECT_LE(all.refused, edge >= 1 ? 0.05 * n : 0);
+        // Of facets as wide as the contact's diameter some are a line or a saddle within their
+        // errors, which is refused. A share of 10 %, and three deviations of as many draws.
+        EXPECT_LE(all.refused, edge > 1     ? 0.1 * n + 3 * std::sqrt(0.1 * 0.9 * n)
+                               : edge > 0.5 ? 0.05 * n
+                                            : 0);
         // Exact vertices that are half as far apart as the contact is wide determine its radii to
         // less than 1 %.
-        if (noise == 0 && edge <= 0.5) EXPECT_LE(median(all.bounds), 0.01);
+        if (noise == 0 && edge <= 0.5) {
+          EXPECT_LE(middle_of(all.bounds), 0.01);
+        }
         // Two deviations that hold both radii in 95 % are 3.3 medians of the error of one of them;
         // what noise leaves open of the terms beyond the quadric, and a contact on a seam, whose
         // error counts as none, make up the rest.
-        if (noise > 0) EXPECT_LE(median(all.bounds), 6 * median(all.errors));
+        constexpr int kKnownMedian = 100;  // of fewer draws it scatters by a third
+        if (noise > 0 && all.trials >= kKnownMedian) {
+          EXPECT_LE(middle_of(all.bounds), 6 * middle_of(all.errors));
+        }
       }
 }
 

@@ -528,6 +528,8 @@ HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Re
   Expectation expected;
   Eigen::VectorXd left_over;
   double variance = floor, width2 = 1, degrees = r.degrees, fullness = 1;
+  // Few vertices do not tell noise from terms: the likeliest variance is often none at all.
+  double mean_variance = floor;
   Coefficients turn = Coefficients::Zero(), last_turn = turn;
   double step = 1;
   // First with circles alone, from which the rest starts nearer.
@@ -561,17 +563,24 @@ HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Re
       evidence.rest -= evidence.squares[i];
     }
     evidence.rest = std::max(evidence.rest, 0.0);
-    double best = kInfinity;
+    double best = kInfinity, all = 0, all_variances = 0;
     for (double width = 1; width < 50; width *= 3)
       for (double trial = floor; trial <= largest; trial *= 2.5) {
         // Wider scatter has to pay for itself.
         const double cost = evidence.cost(trial, width * width) + 2 * std::log(width);
         if (cost < best) {
+          const double before = std::exp((cost - best) / 2);
+          all *= before;
+          all_variances *= before;
           best = cost;
           variance = trial;
           width2 = width * width;
         }
+        const double likelihood = std::exp((best - cost) / 2);
+        all += likelihood;
+        all_variances += likelihood * trial;
       }
+    mean_variance = all_variances / all;
     Higher shrunk, left;
     degrees = r.freedom;
     for (int i = 0; i < kHigher; ++i) {
@@ -626,7 +635,7 @@ HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Re
   constexpr double kSeries = 0.1;
   const Vector3d cut_off = std::max(kSeries, unknown) * (first * expected.beyond);
   // It shows in no residual where whole rings of vertices are rounded alike, as around a pole.
-  variance = std::max(variance, rounding * rounding);
+  variance = std::max({variance, mean_variance, rounding * rounding});
   const Vector3d unsettled = turn.head<3>();  // few vertices may leave it turning
   const Vector3d unlike = kSeries * departed.head<3>();
   result.covariance = kCoverageQuantile * kCoverageQuantile / 4 *
