@@ -45,6 +45,7 @@ void keep_outer_skin(meshes::SurfaceFile& file, const std::vector<Vector3d>& tou
       return;
   }
   file.hidden_triangles = all - skin.triangles.size();
+  file.open_edges = facts_of(file.surface).open_edges;
   file.surface = std::move(skin);
 }
 
