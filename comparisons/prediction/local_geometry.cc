@@ -132,6 +132,16 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
   }
 }
 
+GeometryResolver::GeometryResolver(const input::Case& contact_case,
+                                   const std::shared_ptr<const TriangleSurface>& mesh)
+    : case_(contact_case) {
+  const auto* pair = std::get_if<input::BodyPair>(&case_.geometry);
+  if (!pair) return;
+  for (const input::CaseBody* body : {&pair->finger, &pair->object})
+    if (const auto* known = std::get_if<input::MeshBody>(body))
+      surfaces_.emplace(surface_key(*known), Surface{mesh, known->metres_per_unit.value_or(1e-3)});
+}
+
 const TriangleSurface& GeometryResolver::surface(const input::MeshBody& mesh) const {
   return *surfaces_.at(surface_key(mesh)).surface;
 }
