@@ -65,7 +65,9 @@ int run_fit(const FitOptions& options) {
   const auto file = read_typed_skin(path.string(), options.unit, "--point", options.point);
   const Eigen::Vector3d point_m = file.metres_per_unit * typed_point;
   std::vector<std::string> remarks;  // the answer comes first
-  for (const std::string& note : {meshes::repairs(file), finger_unit_remark(file)})
+  for (const std::string& note :
+       {meshes::repairs(file),
+        input::unit_remark(file, input::likely_role(file), input::UnitIsTold::on_the_command_line)})
     if (!note.empty()) remarks.push_back(path.string() + ": " + note);
   prediction::require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;

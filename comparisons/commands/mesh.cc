@@ -94,7 +94,7 @@ std::vector<report::MeshPoint> points_of(const MeshOptions& options, const ReadM
     if (options.along.empty() ? !options.near.empty()
                               : *input::axis_direction(options.along) != direction)
       continue;
-    // Where all of the surface is looked at, better places are found anyway.
+    // Better places are found anyway where all of the surface is looked at.
     points.push_back(describe_point(surface, axis, prediction::extreme_point_m(surface, direction),
                                     &direction,
                                     options.along.empty() ? Advice::none : Advice::nearest_point));
@@ -266,7 +266,7 @@ std::vector<report::MeshPoint> shown_points(const MeshOptions& options, const Re
     report::MeshPoint point = point_of(pad, options.file, read.unit, read.role);
     // A point that was asked for is shown as it was described: with the fit that `fit` makes.
     for (const report::MeshPoint& asked : answer.points)
-      if (asked.name == pad.name) {
+      if (asked.name == pad.name && asked.fit) {
         const std::string verdict = point.verdict;
         point = asked;
         point.verdict = verdict;

@@ -21,7 +21,7 @@ Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
 /// @throws InputError as meshes::read_surface, and for a guess that makes no finger of it
 meshes::SurfaceFile read_typed_surface(const std::string& path, const std::string& unit);
 
-/// The same, but of its triangles only the outer skin.
+/// The surface of a finger as read_typed_surface reads it, but its outer skin alone.
 /// @param flag, point  X,Y,Z as typed, where the body is touched, in the mesh's unit; may be empty
 meshes::SurfaceFile read_typed_skin(const std::string& path, const std::string& unit,
                                     const std::string& flag, const std::string& point);

@@ -21,7 +21,8 @@ namespace softfinger::judgement {
 struct Pressing {
   ElasticLayer layer{2e-3, 300e3, 0.49};
   double load_N = 1, friction_coefficient = 0.8;
-  /// Of the ball that presses an object, with the layer on it; a finger is pressed on a plane.
+  /// Radius of the ball that presses an object, with the layer on it; a finger is pressed on a
+  /// plane.
   double ball_radius_m = 8e-3;
   prediction::Demand demand;
 };

@@ -51,7 +51,7 @@ class Facets {
         return std::pair(std::get<0>(sides[k]), std::get<1>(sides[k]));
       };
       while (end < sides.size() && edge(end) == edge(start)) ++end;
-      // Where more than two meet the face goes on in none.
+      // A face ends where more than two facets meet.
       if (end == start + 2) {
         const int one = std::get<2>(sides[start]), other = std::get<2>(sides[start + 1]);
         neighbours_[std::size_t(one)].push_back(other);

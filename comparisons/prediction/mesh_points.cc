@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "meshes/scans/hidden_facets.h"
+#include "softfinger/geometry/quadric_fit_internal.h"
 #include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -125,7 +126,7 @@ Vector3d extreme_point_m(const TriangleSurface& surface, const Vector3d& directi
 
 namespace {
 
-/// Of the part of the smaller radius; infinite where that is flat.
+/// Relative deviation of the smaller radius; infinite where that is flat.
 double doubt_part(const QuadricFit& fit) {
   return fit.radii_std_m[1] / std::abs(fit.principal.radii_m[1]);
 }
@@ -158,6 +159,22 @@ QuadricFit fit_known_better(const TriangleSurface& surface, const Vector3d& poin
   return fit;
 }
 
+/// The quadric of a wall that is straight in one direction, which has vertices at its ends only:
+/// its facets are read as the surface itself, as contacts read them. Nothing where they are too
+/// few.
+std::optional<QuadricFit> fit_to_facets(const TriangleSurface& surface, const Vector3d& point_m,
+                                        const Vector3d* outward_normal) {
+  constexpr int kFewestFacets = 10;
+  try {
+    const internal::SurfaceNeighbourhood there(surface, point_m, outward_normal);
+    return internal::fit_quadric_to_facets(
+        there, std::max(there.radius_with_facets(kFewestFacets), there.distance_m() * (1 + 1e-9)));
+  } catch (const InputError&) {
+  } catch (const ConvergenceError&) {
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
 QuadricFit fit_around(const TriangleSurface& surface, const Vector3d& point_m,
@@ -178,7 +195,9 @@ QuadricFit fit_around(const TriangleSurface& surface, const Vector3d& point_m,
       if (fit.points >= kEnough || attempt == kLastAttempt)
         return fit_known_better(surface, point_m, outward_normal, fit);
     } catch (const InputError&) {
-      if (attempt == kLastAttempt) throw;
+      if (attempt < kLastAttempt) continue;
+      if (const auto fit = fit_to_facets(surface, point_m, outward_normal)) return *fit;
+      throw;
     }
   }
 }

@@ -31,7 +31,8 @@ Eigen::Vector3d extreme_point_m(const TriangleSurface& surface, const Eigen::Vec
 /// The quadric around a point where no load says how large the region has to be: about forty
 /// vertices determine a quadric well. Where they lie so close, as around the pole of a sphere by
 /// longitudes, that they do not, or where they are noisy, the region grows until the smaller radius
-/// is known to 1 %, or the surface is another one there.
+/// is known to 1 %, or the surface is another one there. Where vertices determine none, as on a
+/// wall that is straight in one direction, ten facets are taken.
 /// @throws InputError, ConvergenceError as fit_quadric
 QuadricFit fit_around(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                       const Eigen::Vector3d* outward_normal);

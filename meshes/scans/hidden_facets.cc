@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <tuple>
 #include <unsupported/Eigen/BVH>
 #include <utility>
@@ -286,14 +287,14 @@ Pieces pieces_of(const TriangleSurface& surface, const std::vector<std::size_t>&
 
 /// Facets spread over a face by its area, at most `most`.
 std::vector<std::size_t> spread(const std::vector<std::size_t>& face,
-                                const std::vector<Triangle>& triangles, std::size_t most) {
+                                const std::vector<double>& areas, std::size_t most) {
   if (face.size() <= most) return face;
   double area = 0;
-  for (const std::size_t i : face) area += triangles[i].first.cross(triangles[i].second).norm();
+  for (const std::size_t i : face) area += areas[i];
   std::vector<std::size_t> chosen;
   double passed = 0;
   for (const std::size_t i : face) {
-    passed += triangles[i].first.cross(triangles[i].second).norm();
+    passed += areas[i];
     if (passed * double(most) > area * (double(chosen.size()) + 0.5)) chosen.push_back(i);
   }
   return chosen;
@@ -303,6 +304,7 @@ std::vector<std::size_t> spread(const std::vector<std::size_t>& face,
 
 TriangleSurface outer_skin(const TriangleSurface& surface) {
   std::vector<std::size_t> facets;
+  std::vector<double> areas;
   std::vector<Vector3d> normals(surface.triangles.size(), Vector3d::Zero());
   for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
     const auto corner = [&](std::size_t c) -> const Vector3d& {
@@ -311,6 +313,7 @@ TriangleSurface outer_skin(const TriangleSurface& surface) {
     const Vector3d area = (corner(1) - corner(0)).cross(corner(2) - corner(0));
     if (!(area.norm() > 0)) continue;
     normals[f] = area.normalized();
+    areas.push_back(area.norm());
     facets.push_back(f);
   }
   const Pieces pieces = pieces_of(surface, facets, normals);
@@ -321,23 +324,40 @@ TriangleSurface outer_skin(const TriangleSurface& surface) {
   const bool is_one_part = std::all_of(pieces.parts.begin(), pieces.parts.end(),
                                        [&](std::size_t part) { return part == pieces.parts[0]; });
 
-  Sight sight(surface, facets, normals);
-  constexpr std::size_t kSamples = 60;
+  constexpr std::size_t kSamples = 60, kFewFaces = 50;
   constexpr double kMostSeen = 0.1;
+  // A facet that lies farthest along its own normal is seen: of convex bodies each does.
+  const auto is_farthest = [&](std::size_t i) {
+    const Vector3d& normal = normals[facets[i]];
+    const auto height = [&](int vertex) {
+      return normal.dot(surface.vertices_m[static_cast<std::size_t>(vertex)]);
+    };
+    const double own = height(surface.triangles[facets[i]][0]);
+    const double tolerance = 1e-3 * std::sqrt(areas[i]);
+    return std::all_of(surface.triangles.begin(), surface.triangles.end(),
+                       [&](const auto& other) { return height(other[0]) <= own + tolerance; });
+  };
+  std::optional<Sight> sight;
   std::vector<bool> hidden(facets.size());
   for (const auto& [number, face] : faces) {
-    const std::vector<std::size_t> samples = spread(face, sight.triangles(), kSamples);
+    const std::vector<std::size_t> samples = spread(face, areas, kSamples);
     const auto most_seen = static_cast<std::size_t>(kMostSeen * double(samples.size()));
-    std::size_t seen = 0;
-    for (const std::size_t i : samples) {
-      seen += !sight.is_hidden(i);
-      if (seen > most_seen) break;
-    }
-    if (seen <= most_seen)
+    const auto count_seen = [&](const auto& is_seen) {
+      std::size_t seen = 0;
+      for (const std::size_t i : samples) {
+        seen += is_seen(i);
+        if (seen > most_seen) break;
+      }
+      return seen;
+    };
+    const bool is_few = faces.size() <= kFewFaces;
+    if (is_one_part && is_few && count_seen(is_farthest) > most_seen) continue;
+    if (!sight) sight.emplace(surface, facets, normals);
+    if (count_seen([&](std::size_t i) { return !sight->is_hidden(i); }) <= most_seen)
       for (const std::size_t i : face) hidden[i] = true;
     else if (!is_one_part)
       for (const std::size_t i : face)
-        hidden[i] = sight.is_inside_another(i, pieces.parts) && sight.is_hidden(i);
+        hidden[i] = sight->is_inside_another(i, pieces.parts) && sight->is_hidden(i);
   }
   if (std::all_of(hidden.begin(), hidden.end(), [](bool is) { return is; })) return surface;
   std::vector<bool> left_out(surface.triangles.size());

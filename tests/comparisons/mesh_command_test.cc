@@ -155,7 +155,7 @@ TEST_F(MeshCommand, GuessesTheUnit) {
   EXPECT_NE(doubt(0.1, {}).find("in cm it would be 24 mm"), std::string::npos);
   EXPECT_NE(doubt(1e-3, {"--unit", "mm"}).find("--unit m?"), std::string::npos);
   EXPECT_NE(doubt(2, {}).find("whole of a finger"), std::string::npos);
-  // What is far larger than a finger is an object, and needs not be one.
+  // A surface far larger than a finger is an object, and needs not be one.
   EXPECT_EQ(doubt(7, {}), "");
   EXPECT_EQ(doubt(1, {}), "");
 }
@@ -186,7 +186,7 @@ TEST_F(MeshCommand, ProposesThePadFirst) {
   }
   EXPECT_EQ(usable, found["usable_pads"].get<std::size_t>());
   ASSERT_GT(usable, 5u);
-  // The same contact by predict.
+  // predict finds the same contact.
   const std::string line = pads[0]["toml"];
   folder.write("best.toml",
                "[geometry]\n" + line +
@@ -268,6 +268,28 @@ TEST_F(MeshCommand, OffersTheWallAndTheBaseOfAnObject) {
     EXPECT_NEAR(pad["radii_m"][1].get<double>(), 30e-3, 0.5e-3);
   }
   EXPECT_TRUE(has_base && has_wall) << shown.out;
+}
+
+TEST_F(MeshCommand, ReadsTheWallOfACadFileByItsStrips) {
+  // Strips of 75 mm, 1.05 and 2.1 mm wide: straight along, chords of the circle across.
+  constexpr double radius = 15, length = 75;
+  for (const int strips : {90, 45}) {
+    std::string wall = "v 0 0 0\nv 0 0 75\n", facets;
+    for (int i = 0; i < strips; ++i) {
+      const double angle = 2 * M_PI * i / strips;
+      for (const double z : {0., length})
+        wall += fmt::format("v {} {} {}\n", radius * std::cos(angle), radius * std::sin(angle), z);
+      const int here = 3 + 2 * i, next = 3 + 2 * ((i + 1) % strips);
+      facets += fmt::format("f 1 {} {}\nf 2 {} {}\nf {} {} {} {}\n", next, here, here + 1, next + 1,
+                            here, next, next + 1, here + 1);
+    }
+    folder.write("wall.obj", wall + facets);
+    const json fit = answer_of({"fit", "wall.obj", "--point", "15,0,40", "--unit", "mm", "--json"});
+    EXPECT_TRUE(fit["radii_m"][0].is_null()) << "flat along";
+    const double error_m = std::abs(fit["radii_m"][1].get<double>() - 1e-3 * radius);
+    EXPECT_LE(error_m, 2 * fit["radii_std_m"][1].get<double>()) << strips;
+    EXPECT_LT(error_m, 0.01e-3 * radius) << strips;
+  }
 }
 
 TEST_F(MeshCommand, SaysWithOneVoiceWhichUnitIsTaken) {

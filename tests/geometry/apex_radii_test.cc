@@ -327,7 +327,7 @@ TEST(ApexRadii, LieWithinTheirBoundsOnMeshesOfEveryFineness) {
         EXPECT_GE(all.inside / n, 0.95 - 3 * std::sqrt(0.95 * 0.05 / n));
         EXPECT_GE(all.both / n, 0.95 - 3 * std::sqrt(0.95 * 0.05 / n));
         EXPECT_LE(all.unknown, 0.05 * n);
-        // Of facets as wide as the contact's diameter some are a line or a saddle within their
+        // Some facets as wide as the contact's diameter are a line or a saddle within their
         // errors, which is refused. A share of 10 %, and three deviations of as many draws.
         EXPECT_LE(all.refused, edge > 1     ? 0.1 * n + 3 * std::sqrt(0.1 * 0.9 * n)
                                : edge > 0.5 ? 0.05 * n

@@ -176,7 +176,7 @@ TEST(QuadricFit, TellsHowTheRadiiChangeWithTheRegion) {
   for (double change : radii_region_change_m(ball, top, nullptr, cap))
     EXPECT_LT(change, 1e-8 * 10e-3);
   EXPECT_FALSE(is_whole_surface(ball, top, nullptr, 4e-3));
-  // Of a depth x⁸/L⁷ the fit takes everything up to x⁴ for an apex: what it takes for curvature
+  // The fit takes everything up to x⁴ of a depth x⁸/L⁷ for an apex: what it takes for curvature
   // grows by 1.25⁶ - 1 = 2.8 times itself to the next region.
   const auto blunt = samples::graph(8e-3, 64, [](double x, double y) {
     return -(x * x + y * y) / 40e-3 - std::pow((x * x + y * y) / 25e-6, 4) * 0.1e-3;

@@ -401,10 +401,10 @@ struct HigherOrders {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the corrected A, B, C
 };
 
-/// What is expected of a surface beyond its quadric. With x'Kx = k r² and x'K²x = k² r², the depth
-/// r²k / (1 + (1 - fullness k² r²)^1/2) is a circle for a fullness of 1, as in the principal
-/// sections of a sphere, a torus and a cylinder, a parabola for 0, and an ellipse otherwise. Of
-/// third and fourth order a circle is expected, of more what the fullness says.
+/// Depths that are expected of a surface beyond its quadric. With x'Kx = k r² and x'K²x = k² r²,
+/// the depth r²k / (1 + (1 - fullness k² r²)^1/2) is a circle for a fullness of 1, as in the
+/// principal sections of a sphere, a torus and a cylinder, a parabola for 0, and an ellipse
+/// otherwise. Of third and fourth order a circle is expected, of more what the fullness says.
 struct Expectation {
   Eigen::VectorXd depths;  ///< below the quadric, at the given points
   Eigen::VectorXd beyond;  ///< the part of it that is of more than fourth order
@@ -441,7 +441,7 @@ Higher circle_terms(const Coefficients& quadric) {
   return terms / 8;
 }
 
-/// By how much the terms of third and fourth order usually differ from what is expected: as where
+/// Usual differences of the terms of third and fourth order from what is expected: as where
 /// the curvature changes by itself within a third of its radius, and as a circle from its parabola.
 Higher usual_departure(const Coefficients& quadric) {
   const auto k = internal::principal_curvatures_per_m({quadric[0], quadric[1], quadric[2]});
@@ -477,10 +477,10 @@ struct Evidence {
   }
 };
 
-/// How many times more the variance of a mean of the vertices' residuals is than that of as many
-/// independent ones. A surface that no terms of fourth order follow, as on a seam where its
-/// curvature jumps, leaves waves that neighbours share: there are no more independent residuals
-/// than waves, however fine the mesh.
+/// Ratio of the variance of a mean of the vertices' residuals to that of as many independent ones.
+/// A surface that no terms of fourth order follow, as on a seam where its curvature jumps, leaves
+/// waves that neighbours share: there are no more independent residuals than waves, however fine
+/// the mesh.
 double waviness(const Facets& facets, const Eigen::VectorXd& left_over,
                 const Eigen::VectorXd& weights) {
   const auto& region = facets.region();
@@ -546,7 +546,7 @@ HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Re
     Evidence evidence;
     evidence.freedom = std::max(1, r.freedom);
     evidence.rest = misfit.cwiseAbs2().dot(weights);
-    // What is expected of a surface so curved grows without end: nothing is known of its apex.
+    // The terms of a surface so curved grow without end: nothing is known of its apex.
     constexpr double kRunsAway = 20;
     const double of_fit = fit.coefficients.head<3>().norm();
     if (!std::isfinite(evidence.rest) || !(quadric.head<3>().norm() <= kRunsAway * of_fit)) {
@@ -605,7 +605,7 @@ HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Re
     if (round >= kCircleRounds)
       fullness = std::isfinite(fuller) ? std::clamp(1 + fuller, 0.0, 4.0) : 1;
     departed = -shift * (departure - (fullness - 1) * circle);
-    // What the terms do to the quadric changes what is expected of them. The last step tells by
+    // The terms change the quadric, which changes what is expected of them. The last step tells by
     // which one the two would have agreed.
     turn = fit.coefficients + result.change - quadric;
     constexpr double kArrived = 1e-13;
@@ -646,8 +646,8 @@ HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Re
   return result;
 }
 
-/// The same where facets are read as the surface itself, whose vertices tell nothing of what is
-/// between them: the terms are what is expected of them.
+/// Terms of higher order where facets are read as the surface itself, whose vertices tell nothing
+/// of what is between them: the terms are what is expected of them.
 HigherOrders expected_orders(const Facets& facets, const TangentFit& fit, const Residuals& r) {
   using Matrix6 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
   using Columns6 = Eigen::Matrix<double, kUnknowns, kHigher>;
