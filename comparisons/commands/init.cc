@@ -51,11 +51,12 @@ std::string pads_text(const InitOptions& options, const meshes::SurfaceFile& fil
       "# The best of the places that softfinger mesh FILE lists; its --page shows the finger, "
       "where "
       "a\n# click gives such a line. Or along = \"-y\": the point that lies farthest there.\n";
-  for (std::size_t i = 0; i < std::min(kMostListed, pads.usable); ++i) {
-    const report::MeshPoint point =
-        point_of(pads.best_first[i], options.mesh, unit, input::MeshRole::finger);
-    lines += fmt::format("{}{}   # {}: ± {} at {:g} N\n", i == 0 ? "" : "# ", point.toml,
-                         point.name, text::percent(pads.best_first[i].worst), pressing.load_N);
+  std::size_t listed = 0;
+  for (const judgement::Pad& pad : pads.best_first) {
+    if (!pad.is_usable() || listed == kMostListed) continue;
+    const report::MeshPoint point = point_of(pad, options.mesh, unit, input::MeshRole::finger);
+    lines += fmt::format("{}{}   # {}: ± {} at {:g} N\n", listed++ == 0 ? "" : "# ", point.toml,
+                         point.name, text::percent(pad.worst), pressing.load_N);
   }
   return lines;
 }

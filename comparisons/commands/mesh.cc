@@ -120,9 +120,12 @@ std::string object_in_words(const ReadMesh& read, const judgement::Pads& pads) {
   std::string text = fmt::format("an object, {:.3g} mm wide", 1e3 * read.file.width_m);
   std::string separator = ": ";
   for (const char* kind : {"wall", "dome", "rim", "base", "flat", "hollow", "saddle"}) {
-    const auto found = std::find_if(pads.best_first.begin(), pads.best_first.end(),
-                                    [&](const Pad& pad) { return pad.kind == kind; });
-    if (found == pads.best_first.end()) continue;
+    const Pad* found = nullptr;
+    const auto area_m2 = [](const Pad& pad) { return pad.face ? pad.face->area_m2 : 0; };
+    // The largest of several faces: a body can stand on many of its sides.
+    for (const Pad& pad : pads.best_first)
+      if (pad.kind == kind && (!found || area_m2(pad) > area_m2(*found))) found = &pad;
+    if (!found) continue;
     text += separator + kind + " " + prediction::in_millimetres(found->point_m);
     separator = "; ";
     if (found->face)
@@ -152,13 +155,13 @@ std::string sentence_of(const MeshOptions& options, const ReadMesh& read,
                        place_in_words(best.point_m, best.normal),
                        millimetres_or_flat(best.fit->principal.radii_m[0]),
                        millimetres_or_flat(best.fit->principal.radii_m[1]), verdict_of(best));
-  if (!pads.faces.empty())
-    return prediction::in_words(pads.faces.front()) + ", at " +
-           place_in_words(pads.faces.front().middle_m, pads.faces.front().normal) +
-           "; no curved place is usable";
+  const auto curved = std::find_if(pads.best_first.begin(), pads.best_first.end(),
+                                   [](const Pad& pad) { return !pad.face; });
+  const Pad& nearest = curved == pads.best_first.end() ? best : *curved;
   return fmt::format("no usable pad: of {} places none is known {}; {} at {}: {}",
                      pads.best_first.size(), prediction::in_words(options.demand.demand()),
-                     best.name, place_in_words(best.point_m, best.normal), best.reason);
+                     nearest.name, place_in_words(nearest.point_m, nearest.normal),
+                     verdict_of(nearest));
 }
 
 Answer answer_of(const MeshOptions& options, const ReadMesh& read, const std::string& path,

@@ -205,15 +205,15 @@ std::string in_words(const Pressing& pressing, MeshRole role) {
 
 const FlatFace* Pads::pad_face() const {
   if (faces.empty() || faces.front().is_ring()) return nullptr;
-  double flat_m2 = 0, curved = 0, usable_ones = 0;
+  double flat_m2 = 0;
   for (const FlatFace& face : faces) flat_m2 += face.area_m2;
-  for (const Pad& pad : best_first) {
-    curved += !pad.face;
-    usable_ones += !pad.face && pad.is_usable();
-  }
-  // The places are spread over the surface evenly.
-  const double usable_m2 = curved > 0 ? (area_m2 - flat_m2) * usable_ones / curved : 0;
-  return flat_m2 > usable_m2 ? &faces.front() : nullptr;
+  // A round tip has a flat face, too, where it is mounted.
+  constexpr double kShare = 0.4, kLeastShare = 0.05;
+  const bool has_round = std::any_of(best_first.begin(), best_first.end(),
+                                     [](const Pad& pad) { return !pad.face && pad.is_usable(); });
+  const bool is_pad =
+      has_round ? flat_m2 >= kShare * area_m2 : faces.front().area_m2 >= kLeastShare * area_m2;
+  return is_pad ? &faces.front() : nullptr;
 }
 
 Pads find_pads(const TriangleSurface& surface, MeshRole role, const Pressing& pressing,
@@ -309,6 +309,12 @@ Pads find_pads(const TriangleSurface& surface, MeshRole role, const Pressing& pr
                        return usable_order(one) < usable_order(other);
                      return order(one) < order(other);
                    });
+  if (const FlatFace* face = role == MeshRole::finger && everywhere ? pads.pad_face() : nullptr) {
+    const auto pad = std::find_if(
+        pads.best_first.begin(), pads.best_first.end(),
+        [&](const Pad& one) { return one.face && one.face->middle_m == face->middle_m; });
+    if (pad != pads.best_first.end()) std::rotate(pads.best_first.begin(), pad, pad + 1);
+  }
   std::map<std::string, int> numbers;
   for (Pad& pad : pads.best_first)
     if (pad.name.empty()) pad.name = fmt::format("{} {}", pad.kind, ++numbers[pad.kind]);

@@ -46,13 +46,14 @@ struct Pad {
 };
 
 struct Pads {
-  std::vector<Pad> best_first;  ///< the usable ones, then flat faces, then the others
+  /// The usable ones, then flat faces, then the others. A finger's flat pad stands before all.
+  std::vector<Pad> best_first;
   std::size_t usable = 0;
   bool is_complete = true;  ///< false: the search was ended after 3 s
   std::vector<prediction::FlatFace> faces;
 
-  /// The largest flat face where a finger has more of flat faces than of curved surface that is
-  /// usable; else null.
+  /// The largest flat face where it is a finger's pad: flat faces have two fifths of the surface,
+  /// or no curved place is usable and it has a twentieth; else null.
   const prediction::FlatFace* pad_face() const;
   double area_m2 = 0;  ///< of the surface
 };
