@@ -12,6 +12,7 @@
 #include "comparisons/input/mesh_unit.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/flat_faces.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
@@ -61,10 +62,12 @@ int run_fit(const FitOptions& options) {
                      "a finite number > 0, in mm");
 
   const auto path = system::find_mesh_file(options.mesh, "");
-  const auto file = read_typed_surface(path.string(), options.unit);
+  const auto file = read_typed_skin(path.string(), options.unit, "--point", options.point);
   const Eigen::Vector3d point_m = file.metres_per_unit * typed_point;
   std::vector<std::string> remarks;  // the answer comes first
-  for (const std::string& note : {meshes::repairs(file), finger_unit_remark(file)})
+  for (const std::string& note :
+       {meshes::repairs(file),
+        input::unit_remark(file, input::likely_role(file), input::UnitIsTold::on_the_command_line)})
     if (!note.empty()) remarks.push_back(path.string() + ": " + note);
   prediction::require_point_on_surface(file.surface, point_m, path.string(), "--point");
   const Eigen::Vector3d* normal_pointer = normal ? &*normal : nullptr;
@@ -72,12 +75,15 @@ int run_fit(const FitOptions& options) {
     const std::string advice = smooth_point_advice(file.surface, point_m, normal_pointer);
     return allowed + (allowed.empty() || advice.empty() ? "" : "; ") + advice;
   };
+  const auto faces = prediction::flat_faces(file.surface);
+  const prediction::FlatFace* face = prediction::face_at(file.surface, faces, point_m);
   const QuadricFit fit = [&] {
     try {
       return options.radius_given
                  ? fit_quadric(file.surface, point_m, normal_pointer, options.radius_mm * 1e-3)
                  : prediction::fit_around(file.surface, point_m, normal_pointer);
     } catch (const InputError& error) {
+      if (face) throw InputError(path.string(), prediction::in_words(*face), "", advised(""));
       // The fit does not know the file's name: it is added here.
       throw InputError(path.string(), error.field(), error.value(), advised(error.allowed()));
     } catch (const ConvergenceError& error) {
@@ -127,24 +133,27 @@ int run_fit(const FitOptions& options) {
     object["degenerate_triangles"] = file.degenerate_triangles;
     object["duplicate_triangles"] = file.duplicate_triangles;
     object["turned_triangles"] = file.turned_triangles;
+    object["flat_size_m"] = face ? nlohmann::json{face->length_m, face->width_m} : nlohmann::json();
+    object["hidden_triangles"] = file.hidden_triangles;
     system::write_to_stdout(text::printed(object));
     say_remarks();
     return 0;
   }
   const auto& principal = fit.principal;
   system::write_text_to_stdout(fmt::format(
-      "radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
+      "{}radii: {} ({}) along {:.4g}° from x, {} ({}) across; negative = concave\n"
       "{}\n"
       "depth = A x² + B y² + C x y: A {:.5g}, B {:.5g}, C {:.5g} per m\n"
       "normal: {:.5f}, {:.5f}, {:.5f}\n"
       "x axis: {:.5f}, {:.5f}, {:.5f}\n"
       "residual: {:.3g} mm rms over {} points, {:.4g} mm², region radius {:.4g} mm\n",
-      prediction::millimetres(principal.radii_m[0]), plus_minus(fit.radii_std_m[0]),
-      principal.axis_rad * 180 / kPi, prediction::millimetres(principal.radii_m[1]),
-      plus_minus(fit.radii_std_m[1]), region_dependence(fit, region_change_m), fit.quadric.A_per_m,
-      fit.quadric.B_per_m, fit.quadric.C_per_m, fit.normal.x(), fit.normal.y(), fit.normal.z(),
-      fit.x_axis.x(), fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points,
-      fit.area_m2 * 1e6, fit.region_radius_m * 1e3));
+      face ? prediction::in_words(*face) + "\n" : "", prediction::millimetres(principal.radii_m[0]),
+      plus_minus(fit.radii_std_m[0]), principal.axis_rad * 180 / kPi,
+      prediction::millimetres(principal.radii_m[1]), plus_minus(fit.radii_std_m[1]),
+      region_dependence(fit, region_change_m), fit.quadric.A_per_m, fit.quadric.B_per_m,
+      fit.quadric.C_per_m, fit.normal.x(), fit.normal.y(), fit.normal.z(), fit.x_axis.x(),
+      fit.x_axis.y(), fit.x_axis.z(), fit.residual_rms_m * 1e3, fit.points, fit.area_m2 * 1e6,
+      fit.region_radius_m * 1e3));
   say_remarks();
   return 0;
 }

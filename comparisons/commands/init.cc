@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -8,10 +9,13 @@
 #include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/input/case.h"
 #include "comparisons/input/mesh_unit.h"
+#include "comparisons/judgement/pads.h"
 #include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
+#include "comparisons/text/percent.h"
 #include "comparisons/text/toml_text.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
@@ -30,6 +34,33 @@ constexpr const char* kPlane =
     "object = { radii_mm = [inf, inf] }       # a plane; or { sphere_radius_mm = 10 }, { mesh = "
     "\"object.stl\", along = \"+z\" }\n";
 
+/// The best pad's line, and the next best as comments; empty where no place is usable.
+std::string pads_text(const InitOptions& options, const meshes::SurfaceFile& file,
+                      const std::string& unit) {
+  std::vector<judgement::PadPlace> places;
+  for (const std::string axis : {"-y", "+y", "-x", "+x", "-z", "+z"}) {
+    const Eigen::Vector3d direction = *input::axis_direction(axis);
+    places.push_back({axis, prediction::extreme_point_m(file.surface, direction), direction});
+  }
+  const judgement::Pressing pressing;
+  const judgement::Pads pads =
+      judgement::find_pads(file.surface, input::MeshRole::finger, pressing, places, true);
+  if (pads.usable == 0) return "";
+  constexpr std::size_t kMostListed = 4;
+  std::string lines =
+      "# The best of the places that softfinger mesh FILE lists; its --page shows the finger, "
+      "where "
+      "a\n# click gives such a line. Or along = \"-y\": the point that lies farthest there.\n";
+  std::size_t listed = 0;
+  for (const judgement::Pad& pad : pads.best_first) {
+    if (!pad.is_usable() || listed == kMostListed) continue;
+    const report::MeshPoint point = point_of(pad, options.mesh, unit, input::MeshRole::finger);
+    lines += fmt::format("{}{}   # {}: ± {} at {:g} N\n", listed++ == 0 ? "" : "# ", point.toml,
+                         point.name, text::percent(pad.worst), pressing.load_N);
+  }
+  return lines;
+}
+
 std::string geometry_text(const InitOptions& options) {
   if (options.mesh.empty())
     return "# Exactly one of three forms. Radii in mm: inf is flat, negative hollow.\n"
@@ -41,11 +72,15 @@ std::string geometry_text(const InitOptions& options) {
            "tip.stl\n";
   const std::string path =
       system::find_mesh_file(options.mesh, fs::path(options.file).parent_path()).string();
-  const meshes::SurfaceFile file = read_typed_surface(path, options.unit);
+  const meshes::SurfaceFile file = read_typed_skin(path, options.unit, "--near", options.near);
   const std::string unit = input::unit_name(file.metres_per_unit);
   // A typed unit is in the case, whose reader doubts it.
   if (const std::string doubt = finger_unit_remark(file); file.is_unit_guessed && !doubt.empty())
     remark(path + ": " + doubt);
+  if (options.near.empty() && !options.along_given) {
+    const std::string pads = pads_text(options, file, unit);
+    if (!pads.empty()) return pads + kPlane;
+  }
   if (!options.near.empty())
     return geometry_line(options.mesh, unit, point_near(file.surface, options.near, unit, path)) +
            "\n" + kPlane;
@@ -129,7 +164,8 @@ void add_init(CLI::App& app, Action& action) {
                       "built-in mesh; default: a finger by its radii");
   CLI::Option* along = command->add_option(
       "--along", options->along,
-      "direction in which the finger is touched: +x, -x, +y, -y (default), +z or -z");
+      "direction in which the finger is touched: +x, -x, +y, -y, +z or -z; default: at the best "
+      "pad that softfinger mesh finds, or -y where none is usable");
   command
       ->add_option(
           "--near", options->near,

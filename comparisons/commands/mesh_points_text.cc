@@ -13,6 +13,7 @@
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/percent.h"
 #include "comparisons/text/toml_text.h"
 #include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/constants.h"
@@ -39,6 +40,18 @@ meshes::SurfaceFile read_typed_surface(const std::string& path, const std::strin
   return file;
 }
 
+meshes::SurfaceFile read_typed_skin(const std::string& path, const std::string& unit,
+                                    const std::string& flag, const std::string& point) {
+  meshes::SurfaceFile file = read_typed_surface(path, unit);
+  std::vector<Eigen::Vector3d> touched_m;
+  if (!point.empty())
+    touched_m.push_back(
+        file.metres_per_unit *
+        parse_vector(flag, point, "X,Y,Z: three finite numbers in the mesh's unit"));
+  prediction::keep_outer_skin(file, touched_m);
+  return file;
+}
+
 std::string finger_unit_remark(const meshes::SurfaceFile& file) {
   return input::unit_remark(file, input::MeshRole::finger, input::UnitIsTold::on_the_command_line);
 }
@@ -52,7 +65,8 @@ std::string smooth_point_advice(const TriangleSurface& surface, const Eigen::Vec
 }
 
 report::MeshPoint describe_point(const TriangleSurface& surface, const std::string& name,
-                                 const Eigen::Vector3d& point_m, const Eigen::Vector3d* normal) {
+                                 const Eigen::Vector3d& point_m, const Eigen::Vector3d* normal,
+                                 Advice advice) {
   report::MeshPoint point;
   point.name = name;
   point.point_m = point_m;
@@ -71,9 +85,9 @@ report::MeshPoint describe_point(const TriangleSurface& surface, const std::stri
   } catch (const ConvergenceError& error) {
     point.doubt = std::string("no quadric: ") + error.what();
   }
-  if (!point.doubt.empty())
-    if (const std::string advice = smooth_point_advice(surface, point_m, normal); !advice.empty())
-      point.doubt += "; " + advice;
+  if (!point.doubt.empty() && advice == Advice::nearest_point)
+    if (const std::string words = smooth_point_advice(surface, point_m, normal); !words.empty())
+      point.doubt += "; " + words;
   return point;
 }
 
@@ -88,7 +102,7 @@ report::MeshPoint point_near(const TriangleSurface& surface, const std::string& 
 }
 
 std::string geometry_line(const std::string& mesh, const std::string& unit,
-                          const report::MeshPoint& point) {
+                          const report::MeshPoint& point, input::MeshRole role) {
   if (point.normal.isZero(0)) return "";
   // 0.1 µm and 1e-5 rad; a zero without a minus sign.
   const auto rounded = [](double value, double step) {
@@ -98,9 +112,35 @@ std::string geometry_line(const std::string& mesh, const std::string& unit,
     return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", rounded(v.x(), step), rounded(v.y(), step),
                        rounded(v.z(), step));
   };
-  return fmt::format("finger = {{ mesh = {}, unit = \"{}\", point_mm = {}, normal = {} }}",
+  return fmt::format("{} = {{ mesh = {}, unit = \"{}\", point_mm = {}, normal = {} }}",
+                     role == input::MeshRole::finger ? "finger" : "object",
                      text::toml_text(mesh == "-" ? "FILE.stl" : mesh), unit,
                      list(1e3 * point.point_m, 1e-4), list(point.normal, 1e-5));
+}
+
+std::string verdict_of(const judgement::Pad& pad) {
+  const auto flat = pad.face ? prediction::in_words(*pad.face) : "";
+  if (!pad.is_usable()) return pad.reason.empty() ? flat : pad.reason;
+  const Prediction& p = pad.answer->prediction;
+  return fmt::format(
+      "usable, torque {:.3g} mN·m, contact {:.3g} x {:.3g} mm, ± {}{}",
+      1e3 * pad.answer->friction_ellipsoid(prediction::TorqueRule::exact).max_torque_Nm(),
+      2e3 * p.a_m, 2e3 * p.b_m, text::percent(pad.worst),
+      pad.face ? fmt::format("; flat, {:.3g} x {:.3g} mm", 1e3 * pad.face->width_m,
+                             1e3 * pad.face->length_m)
+               : "");
+}
+
+report::MeshPoint point_of(const judgement::Pad& pad, const std::string& mesh,
+                           const std::string& unit, input::MeshRole role) {
+  report::MeshPoint point;
+  point.name = pad.name;
+  point.point_m = pad.point_m;
+  point.normal = pad.normal;
+  point.fit = pad.fit;
+  point.verdict = verdict_of(pad);
+  point.toml = geometry_line(mesh, unit, point, role);
+  return point;
 }
 
 void write_fits_page(const std::string& file, const std::string& mesh, const std::string& unit,
@@ -119,14 +159,28 @@ void write_fits_page(const std::string& file, const std::string& mesh, const std
   remark("the page is " + file);
 }
 
-std::string facts_in_words(const TriangleSurface& surface) {
+namespace {
+
+std::string facts_in_words(const TriangleSurface& surface,
+                           const std::optional<std::size_t>& open_edges) {
   const prediction::SurfaceFacts facts = prediction::facts_of(surface);
+  const std::size_t open = open_edges.value_or(facts.open_edges);
   const Eigen::Vector3d size_mm = 1e3 * (facts.largest_m - facts.least_m);
   return fmt::format(
       "{} triangles, {} vertices, {}; {:.4g} x {:.4g} x {:.4g} mm, {:.4g} mm² of surface",
       surface.triangles.size(), surface.vertices_m.size(),
-      facts.open_edges == 0 ? "closed" : fmt::format("open at {} edges", facts.open_edges),
-      size_mm.x(), size_mm.y(), size_mm.z(), 1e6 * facts.area_m2);
+      open == 0 ? "closed" : fmt::format("open at {} edges", open), size_mm.x(), size_mm.y(),
+      size_mm.z(), 1e6 * facts.area_m2);
+}
+
+}  // namespace
+
+std::string facts_in_words(const TriangleSurface& surface) {
+  return facts_in_words(surface, std::nullopt);
+}
+
+std::string facts_in_words(const meshes::SurfaceFile& file) {
+  return facts_in_words(file.surface, file.open_edges);
 }
 
 }  // namespace softfinger::commands

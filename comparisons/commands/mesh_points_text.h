@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "comparisons/input/mesh_unit.h"
+#include "comparisons/judgement/pads.h"
 #include "comparisons/report/mesh_page.h"
 #include "meshes/io/read_surface.h"
 
@@ -19,6 +21,11 @@ Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
 /// @throws InputError as meshes::read_surface, and for a guess that makes no finger of it
 meshes::SurfaceFile read_typed_surface(const std::string& path, const std::string& unit);
 
+/// The surface of a finger as read_typed_surface reads it, but its outer skin alone.
+/// @param flag, point  X,Y,Z as typed, where the body is touched, in the mesh's unit; may be empty
+meshes::SurfaceFile read_typed_skin(const std::string& path, const std::string& unit,
+                                    const std::string& flag, const std::string& point);
+
 /// A remark on the unit, for commands that have --unit, or empty.
 std::string finger_unit_remark(const meshes::SurfaceFile& file);
 
@@ -28,11 +35,15 @@ std::string finger_unit_remark(const meshes::SurfaceFile& file);
 std::string smooth_point_advice(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                                 const Eigen::Vector3d* normal);
 
+enum class Advice { none, nearest_point };
+
 /// A point with the quadric around it, and with the normal of that. Where none can be fitted, the
 /// normal is the given one, or the facet's, and `doubt` says why.
 /// @param normal  outward, roughly; null: that of the surface
+/// @param advice  to look for where there is a doubt
 report::MeshPoint describe_point(const TriangleSurface& surface, const std::string& name,
-                                 const Eigen::Vector3d& point_m, const Eigen::Vector3d* normal);
+                                 const Eigen::Vector3d& point_m, const Eigen::Vector3d* normal,
+                                 Advice advice = Advice::nearest_point);
 
 /// The surface's point nearest to --near X,Y,Z, in the mesh's unit, "mm" or "m".
 /// @param path  of the mesh, for messages
@@ -43,7 +54,16 @@ report::MeshPoint point_near(const TriangleSurface& surface, const std::string& 
 /// The line of [geometry]: "finger = { mesh = .., point_mm = .., normal = .. }". The mesh of
 /// standard input is called FILE.stl: a case needs a file.
 std::string geometry_line(const std::string& mesh, const std::string& unit,
-                          const report::MeshPoint& point);
+                          const report::MeshPoint& point,
+                          input::MeshRole role = input::MeshRole::finger);
+
+/// A pressed place as a point to show, with its line for a case.
+report::MeshPoint point_of(const judgement::Pad& pad, const std::string& mesh,
+                           const std::string& unit, input::MeshRole role);
+
+/// "usable, torque 2.9 mN·m, contact 8.4 x 4.1 mm, ± 3.1 %", "flat, 22 x 37 mm: a pad", or why it
+/// is not usable.
+std::string verdict_of(const judgement::Pad& pad);
 
 /// Writes the page of fits to one surface: the region and the quadric of each point.
 /// @param mesh  its file, as typed
@@ -54,5 +74,6 @@ void write_fits_page(const std::string& file, const std::string& mesh, const std
 
 /// "5,374 triangles, closed, 16.2 x 12.1 x 28.0 mm"
 std::string facts_in_words(const TriangleSurface& surface);
+std::string facts_in_words(const meshes::SurfaceFile& file);
 
 }  // namespace softfinger::commands

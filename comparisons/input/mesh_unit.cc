@@ -63,6 +63,11 @@ std::string in_other_units(const meshes::SurfaceFile& file, const UsualWidth& us
 
 }  // namespace
 
+MeshRole likely_role(const meshes::SurfaceFile& file) {
+  constexpr double kWiderThanFingers_m = 50e-3;
+  return file.width_m > kWiderThanFingers_m ? MeshRole::object : MeshRole::finger;
+}
+
 bool is_width_doubtful(const meshes::SurfaceFile& file, MeshRole role) {
   return !usual_width(file, role).holds(file.width_m);
 }

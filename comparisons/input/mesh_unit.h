@@ -11,6 +11,9 @@ namespace softfinger::input {
 /// A finger has a usual width, 5 to 40 mm; of other bodies less is known.
 enum class MeshRole { finger, object };
 
+/// The role that a surface's width suggests: from 50 mm on, which no finger is wide, an object's.
+MeshRole likely_role(const meshes::SurfaceFile& file);
+
 /// Place where the user states ("tells") the unit: `unit = "m"` or `--unit m`.
 enum class UnitIsTold { in_a_file, on_the_command_line };
 

@@ -83,14 +83,16 @@ bool is_covered(const ContactPatch& patch) {
   return patch.covered >= kLeast;
 }
 
-/// Largest relative change of each quantity in regions of 0.8 and 1.25 times the radius. Where the
-/// region is not the one that the contact asks for, as many times that as there are such steps to
-/// it. Not known where there is no other region to compare with.
-QuantityErrors change_with_region(const ContactPatch& patch,
-                                  const prediction::ModelAnswer& answer) {
+/// Largest relative change of each quantity in regions of 0.8 and 1.25 times the radius, beyond two
+/// deviations of what noise alone changes. Where the region is not the one that the contact asks
+/// for, as many times that as there are such steps to it. Not known where there is no other region
+/// to compare with.
+/// @param std  relative standard deviation of each quantity
+QuantityErrors change_with_region(const ContactPatch& patch, const prediction::ModelAnswer& answer,
+                                  const QuantityErrors& std) {
   constexpr double kStepOfArea = 1.25 * 1.25;
   QuantityErrors change;
-  change.fill(patch.radii_of_other_regions.empty() ? kNaN : 0);
+  change.fill(patch.other_regions.empty() ? kNaN : 0);
   const auto numbers_of = [](const prediction::ModelAnswer& of) {
     return QuantityErrors{of.prediction.a_m,
                           of.prediction.b_m,
@@ -100,14 +102,17 @@ QuantityErrors change_with_region(const ContactPatch& patch,
                           of.friction_ellipsoid(prediction::TorqueRule::exact).max_torque_Nm()};
   };
   const QuantityErrors here = numbers_of(answer);
-  for (const RelativeRadii& radii : patch.radii_of_other_regions) {
+  for (const ContactPatch::OtherRegion& other : patch.other_regions) {
     prediction::ModelAnswer there = answer;
-    there.prediction = answer.model->predict(prediction::with_radii(answer.problem, radii));
+    there.prediction = answer.model->predict(prediction::with_radii(answer.problem, other.radii));
     const QuantityErrors moved = numbers_of(there);
-    for (std::size_t q = 0; q < change.size(); ++q)
+    for (std::size_t q = 0; q < change.size(); ++q) {
+      const double difference = moved[q] / here[q] - 1, by_noise = kTwoSided * other.noise * std[q];
+      const double beyond = difference * difference - by_noise * by_noise;
       change[q] = there.prediction.has_answer
-                      ? std::max(change[q], std::abs(moved[q] / here[q] - 1))
+                      ? std::max(change[q], std::sqrt(std::max(0.0, beyond)))
                       : kInfinity;
+    }
   }
   const double steps = std::abs(std::log(patch.region_area_m2 / (2 * patch.predicted_area_m2))) /
                        std::log(kStepOfArea);
@@ -150,7 +155,7 @@ QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
            std.area_m2 / value.area_m2(),
            std.peak_pressure_Pa / value.peak_pressure_Pa,
            torque_std_Nm / answer.friction_ellipsoid(rule).max_torque_Nm()};
-  const QuantityErrors by_region = change_with_region(*geometry.patch, answer);
+  const QuantityErrors by_region = change_with_region(*geometry.patch, answer, error);
   const QuantityErrors by_facets = change_with_facets(*geometry.patch, answer);
   for (std::size_t q = 0; q < error.size(); ++q)
     error[q] = is_covered(*geometry.patch)

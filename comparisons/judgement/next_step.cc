@@ -12,6 +12,7 @@
 #include "comparisons/input/mesh_unit.h"
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/reason.h"
+#include "comparisons/prediction/flat_faces.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/percent.h"
@@ -273,6 +274,27 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
   return result;
 }
 
+namespace {
+
+/// "flat, 22 x 37 mm: a pad", where the case's mesh is touched on a flat face.
+std::string flat_face_in_words(const input::Case& contact_case, const GeometryResolver& resolver) {
+  const char* name = nullptr;
+  const input::MeshBody* mesh = mesh_of(contact_case, &name);
+  if (!mesh) return "";
+  try {
+    const TriangleSurface& surface = resolver.surface(*mesh);
+    const auto faces = prediction::flat_faces(surface);
+    const prediction::FlatFace* face =
+        prediction::face_at(surface, faces, resolver.placed(*mesh).point_m);
+    return face ? fmt::format("the {} there is {}, no ellipse", name, prediction::in_words(*face))
+                : "";
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+}  // namespace
+
 prediction::LocalGeometry resolve_or_advise(const input::Case& contact_case,
                                             const GeometryResolver& resolver, double load_N,
                                             const Demand& demand) {
@@ -280,6 +302,9 @@ prediction::LocalGeometry resolve_or_advise(const input::Case& contact_case,
     return resolver.resolve(load_N);
   } catch (const InputError& refusal) {
     const std::string step = next_step(contact_case, resolver, load_N, refusal, demand).step;
+    // A flat face is what it is, whatever the fit of a quadric to it found.
+    const std::string flat = flat_face_in_words(contact_case, resolver);
+    if (!flat.empty()) throw InputError(refusal.where(), flat, "", step);
     throw InputError(refusal.where(), refusal.field(), refusal.value(),
                      refusal.allowed() + (refusal.allowed().empty() ? "" : "; ") + step);
   }

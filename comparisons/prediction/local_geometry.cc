@@ -115,6 +115,12 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
                        "does not exist");
     auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
     const bool is_finger = body == &pair->finger;
+    std::vector<Eigen::Vector3d> touched_m;
+    for (const input::CaseBody* other : {&pair->finger, &pair->object})
+      if (const auto* also = std::get_if<input::MeshBody>(other);
+          also && also->path == mesh->path && !also->along)
+        touched_m.push_back(also->near_m ? *also->near_m : also->point_m);
+    keep_outer_skin(file, touched_m);
     if (is_finger) input::require_finger_size(file, mesh->where, input::UnitIsTold::in_a_file);
     for (const std::string& text :
          {meshes::repairs(file),
@@ -124,6 +130,16 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
     keep(*mesh,
          {std::make_shared<const TriangleSurface>(std::move(file.surface)), file.metres_per_unit});
   }
+}
+
+GeometryResolver::GeometryResolver(const input::Case& contact_case,
+                                   const std::shared_ptr<const TriangleSurface>& mesh)
+    : case_(contact_case) {
+  const auto* pair = std::get_if<input::BodyPair>(&case_.geometry);
+  if (!pair) return;
+  for (const input::CaseBody* body : {&pair->finger, &pair->object})
+    if (const auto* known = std::get_if<input::MeshBody>(body))
+      surfaces_.emplace(surface_key(*known), Surface{mesh, known->metres_per_unit.value_or(1e-3)});
 }
 
 const TriangleSurface& GeometryResolver::surface(const input::MeshBody& mesh) const {

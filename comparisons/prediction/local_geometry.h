@@ -50,6 +50,10 @@ class GeometryResolver {
   /// may be null
   GeometryResolver(const input::Case& contact_case, const GeometryResolver* known);
 
+  /// @param mesh  what every mesh of the case stands for; no file is read
+  GeometryResolver(const input::Case& contact_case,
+                   const std::shared_ptr<const TriangleSurface>& mesh);
+
   /// For meshes the fitted region depends on the load: region and predicted contact are iterated
   /// until they agree. The area is predicted by bonded_layer, by hertz where that has no answer.
   /// @throws InputError when the bodies do not touch in an ellipse (saddle, line, conforming), in

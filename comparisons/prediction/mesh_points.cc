@@ -9,6 +9,9 @@
 #include <limits>
 #include <vector>
 
+#include "meshes/scans/hidden_facets.h"
+#include "softfinger/geometry/quadric_fit_internal.h"
+#include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -26,6 +29,26 @@ Vector3d nearest_on_segment(const Vector3d& from, const Vector3d& to, const Vect
 }
 
 }  // namespace
+
+void keep_outer_skin(meshes::SurfaceFile& file, const std::vector<Vector3d>& touched_m) {
+  constexpr std::size_t kMostTriangles = 1'000'000;
+  const std::size_t all = file.surface.triangles.size();
+  if (all > kMostTriangles) return;
+  TriangleSurface skin = meshes::outer_skin(file.surface);
+  if (skin.triangles.size() == all) return;
+  for (const Vector3d& point : touched_m) {
+    // Points are typed to a few digits.
+    constexpr double kTyped = 1e-4;
+    const double nearest_m =
+        internal::SurfaceNeighbourhood(file.surface, point, nullptr).distance_m();
+    if (internal::SurfaceNeighbourhood(skin, point, nullptr).distance_m() >
+        nearest_m + kTyped * file.size_m)
+      return;
+  }
+  file.hidden_triangles = all - skin.triangles.size();
+  file.open_edges = facts_of(file.surface).open_edges;
+  file.surface = std::move(skin);
+}
 
 Vector3d extreme_point_m(const TriangleSurface& surface, const Vector3d& direction) {
   const auto vertex = [&](int index) -> const Vector3d& {
@@ -101,6 +124,59 @@ Vector3d extreme_point_m(const TriangleSurface& surface, const Vector3d& directi
   return best;
 }
 
+namespace {
+
+/// Relative deviation of the smaller radius; infinite where that is flat.
+double doubt_part(const QuadricFit& fit) {
+  return fit.radii_std_m[1] / std::abs(fit.principal.radii_m[1]);
+}
+
+/// See fit_around.
+QuadricFit fit_known_better(const TriangleSurface& surface, const Vector3d& point_m,
+                            const Vector3d* outward_normal, QuadricFit fit) {
+  constexpr double kKnown = 0.01, kStep = 1.4;
+  constexpr int kMostSteps = 8;
+  // A fingertip's curvature is not the same beyond that.
+  constexpr double kLargestSlope = 0.5;
+  double radius_m = fit.region_radius_m;
+  for (int step = 0; step < kMostSteps && !(doubt_part(fit) <= kKnown); ++step) {
+    radius_m *= kStep;
+    if (radius_m > kLargestSlope * std::abs(fit.principal.radii_m[1]) + 2 * fit.radii_std_m[1])
+      break;
+    try {
+      const QuadricFit larger = fit_quadric(surface, point_m, outward_normal, radius_m);
+      const double apart = std::abs(1 / larger.principal.radii_m[1] - 1 / fit.principal.radii_m[1]);
+      const double allowed = 2 * (larger.radii_std_m[1] / std::pow(larger.principal.radii_m[1], 2) +
+                                  fit.radii_std_m[1] / std::pow(fit.principal.radii_m[1], 2));
+      if (larger.surface_kind == SurfaceKind::sharp_edge || apart > allowed) break;
+      if (doubt_part(larger) < doubt_part(fit)) fit = larger;
+    } catch (const InputError&) {
+      break;
+    } catch (const ConvergenceError&) {
+      break;
+    }
+  }
+  return fit;
+}
+
+/// The quadric of a wall that is straight in one direction, which has vertices at its ends only:
+/// its facets are read as the surface itself, as contacts read them. Nothing where they are too
+/// few.
+std::optional<QuadricFit> fit_to_facets(const TriangleSurface& surface, const Vector3d& point_m,
+                                        const Vector3d* outward_normal) {
+  constexpr int kFewestFacets = 10;
+  try {
+    const internal::SurfaceNeighbourhood there(surface, point_m, outward_normal);
+    return internal::fit_quadric_to_facets(
+        there, std::max(there.radius_with_facets(kFewestFacets), there.distance_m() * (1 + 1e-9)));
+  } catch (const InputError&) {
+  } catch (const ConvergenceError&) {
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 QuadricFit fit_around(const TriangleSurface& surface, const Vector3d& point_m,
                       const Vector3d* outward_normal) {
   constexpr std::size_t kVertices = 40;
@@ -116,9 +192,12 @@ QuadricFit fit_around(const TriangleSurface& surface, const Vector3d& point_m,
     constexpr int kLastAttempt = 5;
     try {
       const QuadricFit fit = fit_quadric(surface, point_m, outward_normal, radius_m);
-      if (fit.points >= kEnough || attempt == kLastAttempt) return fit;
+      if (fit.points >= kEnough || attempt == kLastAttempt)
+        return fit_known_better(surface, point_m, outward_normal, fit);
     } catch (const InputError&) {
-      if (attempt == kLastAttempt) throw;
+      if (attempt < kLastAttempt) continue;
+      if (const auto fit = fit_to_facets(surface, point_m, outward_normal)) return *fit;
+      throw;
     }
   }
 }

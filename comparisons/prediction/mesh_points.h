@@ -6,11 +6,19 @@
 #include <string>
 #include <vector>
 
+#include "meshes/io/read_surface.h"
 #include "softfinger/geometry/quadric_fit.h"
 #include "softfinger/input/triangle_surface.h"
 
 /// Points of a triangulated surface that a person need not type.
 namespace softfinger::prediction {
+
+/// Leaves out the facets that lie inside of the body, where nothing touches them: the inside of a
+/// hollow tip, screws, bones. Nothing is left out where one of the points lies on such a facet:
+/// then the body is touched there, as a cup is from its inside. Nor of so many triangles that it
+/// would take long.
+/// @param touched_m  points that are given, near the surface
+void keep_outer_skin(meshes::SurfaceFile& file, const std::vector<Eigen::Vector3d>& touched_m);
 
 /// The point of the surface that lies farthest in a direction: where a plane that comes from there
 /// touches first. Where a whole facet or edge lies that far, within 1e-5 of the surface's size (a
@@ -21,7 +29,10 @@ namespace softfinger::prediction {
 Eigen::Vector3d extreme_point_m(const TriangleSurface& surface, const Eigen::Vector3d& direction);
 
 /// The quadric around a point where no load says how large the region has to be: about forty
-/// vertices determine a quadric well, and the region stays as small as the mesh allows.
+/// vertices determine a quadric well. Where they lie so close, as around the pole of a sphere by
+/// longitudes, that they do not, or where they are noisy, the region grows until the smaller radius
+/// is known to 1 %, or the surface is another one there. Where vertices determine none, as on a
+/// wall that is straight in one direction, ten facets are taken.
 /// @throws InputError, ConvergenceError as fit_quadric
 QuadricFit fit_around(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                       const Eigen::Vector3d* outward_normal);

@@ -27,6 +27,11 @@ Html radius_cell(double radius_m) {
                                  : Html("<td>flat</td>");
 }
 
+/// "usable, ± 4 %; a sharp edge lies in the region"
+std::string words_of(const MeshPoint& point) {
+  return point.verdict + (point.verdict.empty() || point.doubt.empty() ? "" : "; ") + point.doubt;
+}
+
 Html point_table(const std::vector<MeshPoint>& points) {
   Html rows;
   for (const MeshPoint& point : points) {
@@ -39,14 +44,14 @@ Html point_table(const std::vector<MeshPoint>& points) {
                    significant(1e3 * point.fit->residual_rms_m, 2));
     else
       rows += "<td>–</td><td>–</td><td>–</td><td>–</td>";
-    rows += html("<td class=\"words\">{}</td></tr>\n", point.doubt);
+    rows += html("<td class=\"words\">{}</td></tr>\n", words_of(point));
   }
   return scrolling_table(
       column_heading("point") + column_heading("x", "mm") + column_heading("y", "mm") +
           column_heading("z", "mm") + column_heading("normal x") + column_heading("y") +
           column_heading("z") + column_heading("radius", "mm") + column_heading("radius", "mm") +
           column_heading("region", "mm") + column_heading("residual", "mm") +
-          "<th scope=\"col\" class=\"words\">doubts</th>",
+          "<th scope=\"col\" class=\"words\">pressed, and doubts</th>",
       rows);
 }
 
@@ -80,7 +85,7 @@ std::string mesh_page(const TriangleSurface& surface, const MeshPage& content) {
                       {"point_m", vector(point.point_m)},
                       {"normal", vector(point.normal)},
                       {"toml", point.toml},
-                      {"doubt", point.doubt},
+                      {"doubt", words_of(point)},
                       {"fit", point.fit ? prediction::to_json(*point.fit) : Json()}});
   }
   const bool is_coarsened = surface.triangles.size() > kMostDrawn;

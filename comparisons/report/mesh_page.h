@@ -17,6 +17,7 @@ struct MeshPoint {
   std::optional<QuadricFit> fit;  ///< none where no quadric follows the surface
   std::string doubt;              ///< why there is none, or what is doubtful about it; else empty
   std::string toml;               ///< line of [geometry] in a case
+  std::string verdict = {};       ///< what pressing it gives; empty where it was not pressed
 };
 
 struct MeshPage {

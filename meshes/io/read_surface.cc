@@ -183,6 +183,10 @@ std::string repairs(const SurfaceFile& file) {
   else if (file.turned_triangles > 0)
     said.push_back(std::to_string(file.turned_triangles) + " of " + std::to_string(triangles) +
                    " triangles faced the other way than their neighbours and were turned");
+  if (file.hidden_triangles > 0)
+    said.push_back(std::to_string(file.hidden_triangles) + " of " +
+                   std::to_string(triangles + file.hidden_triangles) +
+                   " triangles lie inside, where nothing touches them, and were left out");
   if (file.is_one_sided)
     said.push_back(
         "its triangles cannot all face one side, as those of a Moebius strip: which side is "

@@ -28,6 +28,11 @@ struct SurfaceFile {
   int duplicate_triangles = 0;   ///< dropped: same three vertices
   int turned_triangles = 0;      ///< faced the other way than their neighbours, see `orient`
   bool is_one_sided = false;     ///< there is no outside: not all triangles can agree
+  /// Left out by whoever wants the outer skin alone: inside of a hollow tip, screws, bones.
+  std::size_t hidden_triangles = 0;
+  /// Edges of the whole file at which it is open; set where hidden triangles were left out, which
+  /// opens others.
+  std::optional<std::size_t> open_edges;
 
   /// Closed with inward normals: all triangles were turned round.
   bool was_inside_out() const { return std::size_t(turned_triangles) == surface.triangles.size(); }

@@ -25,4 +25,15 @@ std::vector<bool> hidden_facets(const TriangleSurface& surface,
 /// from the origin. Vertices keep their numbers.
 TriangleSurface seen_surface(const TriangleSurface& surface, double within);
 
+/// The surface without the parts of it that lie inside, and without the vertices that only these
+/// have. A face is what kinks of at most 35 degrees do not end. It is left out as a whole where 90
+/// % of it is hidden, as the inside of a hollow tip; the rest of a cup's inside stays, though one
+/// sees little of it. Of other faces hidden facets are left out that lie in the solid of another
+/// part, as where parts of an assembly overlap. Normals of facets without an area do not matter:
+/// those stay.
+///
+/// Cost: sorting the edges; for surfaces of several faces a tree of boxes and a few thousand rays,
+/// and of several parts three rays per facet.
+TriangleSurface outer_skin(const TriangleSurface& surface);
+
 }  // namespace softfinger::meshes

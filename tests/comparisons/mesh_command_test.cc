@@ -154,8 +154,142 @@ TEST_F(MeshCommand, GuessesTheUnit) {
   expect_refusal({"mesh", "other.stl"}, "in inches it would be 24 mm: scale it by 25.4 to mm?");
   EXPECT_NE(doubt(0.1, {}).find("in cm it would be 24 mm"), std::string::npos);
   EXPECT_NE(doubt(1e-3, {"--unit", "mm"}).find("--unit m?"), std::string::npos);
-  EXPECT_NE(doubt(7, {}).find("whole of a finger"), std::string::npos);
+  EXPECT_NE(doubt(2, {}).find("whole of a finger"), std::string::npos);
+  // A surface far larger than a finger is an object, and needs not be one.
+  EXPECT_EQ(doubt(7, {}), "");
   EXPECT_EQ(doubt(1, {}), "");
+}
+
+TEST_F(MeshCommand, ProposesThePadFirst) {
+  const ProgramRun shown = run({"mesh", "tip.stl"});
+  EXPECT_EQ(shown.out.rfind("best pad: ", 0), 0u) << shown.out;
+  const json found = answer_of({"mesh", "tip.stl", "--json"});
+  EXPECT_EQ(found["answer"], lines(shown.out)[0]);
+  EXPECT_EQ(found["role"], "finger");
+  const json& pads = found["pads"];
+  EXPECT_GE(pads.size(), 30u);
+  std::size_t usable = 0;
+  for (std::size_t i = 0; i < pads.size(); ++i) {
+    usable += pads[i]["usable"].get<bool>();
+    EXPECT_EQ(pads[i]["usable"].get<bool>(), i < found["usable_pads"].get<std::size_t>());
+    // The point lies on the ellipsoid, and its radii are those of the ellipsoid there.
+    const auto& at = pads[i]["point_m"];
+    const Eigen::Vector3d p(at[0], at[1], at[2]), axes(a, b, c);
+    const Eigen::Vector3d scaled = p.cwiseQuotient(axes);
+    EXPECT_NEAR(scaled.norm(), 1, 0.02);
+    if (!pads[i]["usable"].get<bool>()) continue;
+    // Gauss: 1 / (R' R'') = 1 / (a b c S)², S² = sum x²/a⁴.
+    const double product =
+        std::pow(axes.prod(), 2) * std::pow(scaled.cwiseQuotient(axes).squaredNorm(), 2);
+    const double radii = pads[i]["radii_m"][0].get<double>() * pads[i]["radii_m"][1].get<double>();
+    EXPECT_NEAR(std::sqrt(radii / product), 1, 2 * pads[i]["error_bound"].get<double>());
+  }
+  EXPECT_EQ(usable, found["usable_pads"].get<std::size_t>());
+  ASSERT_GT(usable, 5u);
+  // predict finds the same contact.
+  const std::string line = pads[0]["toml"];
+  folder.write("best.toml",
+               "[geometry]\n" + line +
+                   "\nobject = { radii_mm = [inf, inf] }\n[layer]\nthickness_mm = 2\n"
+                   "youngs_modulus_kPa = 300\npoisson_ratio = 0.49\n[contact]\nload_N = 1\n"
+                   "friction_coefficient = 0.8\n");
+  for (const json& result : answer_of({"predict", "best.toml", "--json"})["results"])
+    if (result["recommended"].get<bool>()) {
+      EXPECT_TRUE(result["usable"].get<bool>());
+      EXPECT_NEAR(result["max_torque_Nm"].get<double>() / pads[0]["max_torque_Nm"].get<double>(), 1,
+                  1e-3);
+    }
+  // Another layer, another answer; a single point is judged alone.
+  const json stiff = answer_of({"mesh", "tip.stl", "--json", "--layer", "2,600,0.49"});
+  EXPECT_LT(stiff["pads"][0]["max_torque_Nm"], pads[0]["max_torque_Nm"]);
+  EXPECT_EQ(answer_of({"mesh", "tip.stl", "--along", "-y", "--json"})["pads"].size(), 1u);
+  for (const char* layer : {"2,300", "0,300,0.4", "2,300,0.6", "2,x,0.4"})
+    expect_refusal({"mesh", "tip.stl", "--layer", layer}, "--layer");
+  expect_refusal({"mesh", "tip.stl", "--load", "0"}, "--load");
+  expect_refusal({"mesh", "tip.stl", "--friction", "-1"}, "--friction");
+  // A case starts there, too.
+  ASSERT_EQ(run({"init", "started.toml", "--mesh", "tip.stl"}).status, 0);
+  EXPECT_NE(file_text(folder.path() / "started.toml").find("\n" + line), std::string::npos);
+}
+
+/// An open box of 22 x 37 x 9 mm as OBJ, in facets as large as its sides.
+std::string brick() {
+  std::string text;
+  for (const double z : {0., 9.})
+    for (const double y : {0., 37.})
+      for (const double x : {0., 22.}) text += fmt::format("v {} {} {}\n", x, y, z);
+  return text + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+}
+
+TEST_F(MeshCommand, KnowsAFlatFaceAsAPad) {
+  folder.write("brick.obj", brick());
+  const std::string words = "flat, 22 x 37 mm: a pad";
+  const ProgramRun shown = run({"mesh", "brick.obj"});
+  EXPECT_EQ(shown.out.rfind(words, 0), 0u) << shown.out << shown.err;
+  const json found = answer_of({"mesh", "brick.obj", "--json"});
+  ASSERT_EQ(found["flat_faces"].size(), 6u);
+  EXPECT_NEAR(found["flat_faces"][0]["size_m"][0].get<double>(), 37e-3, 1e-8);
+  EXPECT_NEAR(found["flat_faces"][0]["size_m"][1].get<double>(), 22e-3, 1e-8);
+  EXPECT_NEAR(found["flat_faces"][0]["point_m"][0].get<double>(), 11e-3, 1e-8);
+  expect_refusal({"fit", "brick.obj", "--point", "11,18,9"}, words);
+  folder.write("case.toml",
+               "[geometry]\nfinger = { mesh = \"brick.obj\", along = \"+z\" }\nobject = { radii_mm "
+               "= [inf, inf] }\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\n"
+               "poisson_ratio = 0.45\n[contact]\nload_N = 1\nfriction_coefficient = 0.8\n");
+  expect_refusal({"predict", "case.toml"}, words);
+}
+
+TEST_F(MeshCommand, OffersTheWallAndTheBaseOfAnObject) {
+  // A tin of 60 mm, 90 mm high.
+  constexpr int strips = 90;
+  std::string tin = "v 0 0 0\nv 0 0 90\n", facets;
+  for (int i = 0; i < strips; ++i) {
+    const double angle = 2 * M_PI * i / strips;
+    for (int j = 0; j <= 30; ++j)
+      tin += fmt::format("v {} {} {}\n", 30 * std::cos(angle), 30 * std::sin(angle), 3 * j);
+    const int here = 3 + 31 * i, next = 3 + 31 * ((i + 1) % strips);
+    facets += fmt::format("f 1 {} {}\nf 2 {} {}\n", next, here, here + 30, next + 30);
+    for (int j = 0; j < 30; ++j)
+      facets += fmt::format("f {} {} {} {}\n", here + j, next + j, next + j + 1, here + j + 1);
+  }
+  folder.write("tin.obj", tin + facets);
+  const ProgramRun shown = run({"mesh", "tin.obj"});
+  EXPECT_EQ(shown.status, 0);
+  EXPECT_EQ(shown.err, "") << "whether it is a finger is not asked";
+  EXPECT_EQ(shown.out.rfind("an object, 60 mm wide: wall [", 0), 0u) << shown.out;
+  const json found = answer_of({"mesh", "tin.obj", "--json"});
+  EXPECT_EQ(found["role"], "object");
+  bool has_base = false, has_wall = false;
+  for (const json& pad : found["pads"]) {
+    has_base = has_base || pad["kind"] == "base";
+    if (pad["kind"] != "wall" || !pad["usable"].get<bool>()) continue;
+    has_wall = true;
+    EXPECT_EQ(pad["toml"].get<std::string>().rfind("object = {", 0), 0u);
+    EXPECT_NEAR(pad["radii_m"][1].get<double>(), 30e-3, 0.5e-3);
+  }
+  EXPECT_TRUE(has_base && has_wall) << shown.out;
+}
+
+TEST_F(MeshCommand, ReadsTheWallOfACadFileByItsStrips) {
+  // Strips of 75 mm, 1.05 and 2.1 mm wide: straight along, chords of the circle across.
+  constexpr double radius = 15, length = 75;
+  for (const int strips : {90, 45}) {
+    std::string wall = "v 0 0 0\nv 0 0 75\n", facets;
+    for (int i = 0; i < strips; ++i) {
+      const double angle = 2 * M_PI * i / strips;
+      for (const double z : {0., length})
+        wall += fmt::format("v {} {} {}\n", radius * std::cos(angle), radius * std::sin(angle), z);
+      const int here = 3 + 2 * i, next = 3 + 2 * ((i + 1) % strips);
+      facets += fmt::format("f 1 {} {}\nf 2 {} {}\nf {} {} {} {}\n", next, here, here + 1, next + 1,
+                            here, next, next + 1, here + 1);
+    }
+    folder.write("wall.obj", wall + facets);
+    const json fit = answer_of({"fit", "wall.obj", "--point", "15,0,40", "--unit", "mm", "--json"});
+    EXPECT_TRUE(fit["radii_m"][0].is_null()) << "flat along";
+    const double error_m = std::abs(fit["radii_m"][1].get<double>() - 1e-3 * radius);
+    EXPECT_LE(error_m, 2 * fit["radii_std_m"][1].get<double>()) << strips;
+    EXPECT_LT(error_m, 0.01e-3 * radius) << strips;
+  }
 }
 
 TEST_F(MeshCommand, SaysWithOneVoiceWhichUnitIsTaken) {

@@ -106,11 +106,17 @@ TEST(QuadricFitCoverage, TwoStandardDeviationsHoldBothRadiiOfNoisyQuadrics) {
     EXPECT_GE(both / n, 0.93 - allowance) << name;
     // Median of |error| over the stated deviation. It is 0.67 for a normal distribution, and 0.60
     // if two deviations contain both of two values in 95 % of the cases. Where the noise is not
-    // small, the far end of the interval determines the deviation, and the median is smaller.
-    const bool small_noise = options.noise != NoiseScale::curvature_radius;
+    // small, the far end of the interval determines the deviation, and noisy vertices leave open
+    // how the surface departs from circles, which widens the deviation of the larger radius most:
+    // by 1.5 for 1 % of the region's radius (0.48 -> 0.31) and for 1 % of the radius of curvature
+    // (0.31 -> 0.20). A fit that takes a quadric for granted would be narrower, and wrong on any
+    // other body (apex_radii_test.cc).
+    const double least = options.noise == NoiseScale::curvature_radius ? 0.15
+                         : options.noise == NoiseScale::region_radius  ? 0.25
+                                                                       : 0.35;
     if (trials < 100) continue;  // no median of a few
     for (std::size_t i = 0; i < 2; ++i) {
-      EXPECT_GE(median(normalised[i]), small_noise ? 0.35 : 0.15) << name;
+      EXPECT_GE(median(normalised[i]), least) << name;
       EXPECT_LE(median(normalised[i]), 0.9) << name;
     }
   }

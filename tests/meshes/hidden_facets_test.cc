@@ -51,6 +51,53 @@ long count(const std::vector<bool>& hidden, std::size_t from, std::size_t to) {
                     hidden.begin() + static_cast<long>(to), true);
 }
 
+TEST(HiddenFacets, AreLeftOutOfTheOuterSkinWithTheirVertices) {
+  TriangleSurface surface = inside_out(sphere(0.9 * skin_m, 1e-3));
+  const TriangleSurface outside = sphere(skin_m, 1e-3);
+  add_to(surface, outside);
+  surface.triangles.push_back({0, 0, 1});  // without an area: nobody sees it, and it stays
+  const TriangleSurface skin = outer_skin(surface);
+  EXPECT_EQ(skin.triangles.size(), outside.triangles.size() + 1);
+  EXPECT_EQ(skin.vertices_m.size(), outside.vertices_m.size() + 2);
+  for (const auto& triangle : skin.triangles)
+    for (const int corner : triangle) EXPECT_LT(std::size_t(corner), skin.vertices_m.size());
+}
+
+TEST(HiddenFacets, OfOverlappingPartsAreLeftOutOneByOne) {
+  TriangleSurface surface = sphere(skin_m, 0.5e-3);
+  TriangleSurface other = sphere(skin_m, 0.5e-3);
+  for (Vector3d& vertex : other.vertices_m) vertex.x() += skin_m;
+  add_to(surface, other);
+  const TriangleSurface skin = outer_skin(surface);
+  // A cap of height R/2 of each sphere, a quarter of its area.
+  EXPECT_NEAR(double(skin.triangles.size()) / double(surface.triangles.size()), 0.75, 0.03);
+  for (const Vector3d& vertex : skin.vertices_m) {
+    EXPECT_GT(vertex.norm(), skin_m - 0.6e-3);
+    EXPECT_GT((vertex - Vector3d(skin_m, 0, 0)).norm(), skin_m - 0.6e-3);
+  }
+}
+
+TEST(HiddenFacets, OfACupsInsideStay) {
+  // Three times as deep as wide: from most of its inside one sees no opening.
+  const double depth = 6 * skin_m;
+  const TriangleSurface cup = revolved_surface({{0, 0},
+                                                {skin_m, 0},
+                                                {skin_m, depth},
+                                                {0.9 * skin_m, depth},
+                                                {0.9 * skin_m, 0.9 * depth},
+                                                {0.9 * skin_m, 0.2 * skin_m},
+                                                {0, 0.2 * skin_m}},
+                                               40);
+  const TriangleSurface skin = outer_skin(cup);
+  const double inner = 0.95 * skin_m;
+  const auto count_inner = [&](const TriangleSurface& of) {
+    return std::count_if(of.vertices_m.begin(), of.vertices_m.end(), [&](const Vector3d& v) {
+      return std::hypot(v.x(), v.y()) < inner && v.z() > skin_m;
+    });
+  };
+  EXPECT_EQ(count_inner(skin), count_inner(cup));
+}
+
 TEST(HiddenFacets, AreThoseOfAnInnerWallAndOfACore) {
   TriangleSurface surface = sphere(skin_m, 1e-3);
   const std::size_t skin = surface.triangles.size();

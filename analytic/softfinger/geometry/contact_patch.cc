@@ -383,6 +383,18 @@ int points_of(const ContactPatch& patch) {
 
 }  // namespace
 
+namespace {
+
+/// See ContactPatch::OtherRegion.
+double noise_between(const RelativeCurvature& here, const RelativeCurvature& there) {
+  const double own = here.log_radii_covariance.trace(), other = there.log_radii_covariance.trace();
+  return own > 0 && std::isfinite(own) && std::isfinite(other)
+             ? std::sqrt(std::abs(other / own - 1))
+             : 0;
+}
+
+}  // namespace
+
 ContactSurface::ContactSurface(const ContactBody& finger, const ContactBody& object,
                                double angle_rad)
     : state_(std::make_unique<State>(finger, object, angle_rad)) {}
@@ -463,7 +475,7 @@ ContactPatch ContactSurface::patch(
         if (const auto fits = state.between_fits(x)) {
           const RelativeCurvature there = state.patch_of(*fits).relative;
           if (there.kind == ContactKind::elliptic)
-            patch.radii_of_other_regions.push_back(there.radii);
+            patch.other_regions.push_back({there.radii, noise_between(patch.relative, there)});
         }
   }
   patch.iterations = state.fits - fits_before;

@@ -28,9 +28,17 @@ struct ContactPatch {
   std::optional<QuadricFit> finger_fit, object_fit;  ///< set for mesh bodies
   double predicted_area_m2 = 0;                      ///< of the contact, for the final radii
   double region_area_m2 = 0;                         ///< pi times the region's radius squared
-  /// Radii over regions of 0.8 and of 1.25 times the radius, where they are elliptic. They show how
-  /// much the answer depends on the region, because no body is a quadric all over.
-  std::vector<RelativeRadii> radii_of_other_regions;
+  /// Radii over a region of 0.8 or of 1.25 times the radius.
+  struct OtherRegion {
+    RelativeRadii radii;
+    /// Number of standard deviations of this patch by which noise alone makes the radii differ. Two
+    /// estimates, one of which uses what the other one uses and more, differ with the difference of
+    /// their variances (Hausman 1978).
+    double noise = 0;
+  };
+  /// Those that are elliptic. They show how much the answer depends on the region, because no body
+  /// is of fourth order all over.
+  std::vector<OtherRegion> other_regions;
   /// Share of the region that the surface covers, at most 1: less where it ends within the region.
   double covered = 1;
   /// Distance in m by which the bodies' surfaces may differ from their facets within the contact,

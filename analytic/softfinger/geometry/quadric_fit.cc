@@ -1,5 +1,6 @@
 #include "softfinger/geometry/quadric_fit.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
@@ -358,18 +359,344 @@ Residuals residuals(const Facets& facets, const TangentFit& fit, int outliers) {
   return r;
 }
 
+/// Student's quantile over the normal one, for `nu` degrees of freedom (Abramowitz & Stegun,
+/// 26.7.5).
+double student_factor(double nu) {
+  const double z = kCoverageQuantile;
+  const double z2 = z * z, z4 = z2 * z2, z6 = z4 * z2;
+  return 1 + (z2 + 1) / (4 * nu) + (5 * z4 + 16 * z2 + 3) / (96 * nu * nu) +
+         (3 * z6 + 19 * z4 + 17 * z2 - 15) / (384 * nu * nu * nu);
+}
+
 /// Covariance of (A, B, C), lengths over the region's radius, for independent errors of the
 /// vertices, widened by Student's factor: two standard deviations then cover the stated
 /// share of cases also where the size of the errors is known from few vertices only.
 Eigen::Matrix3d covariance(const Residuals& r) {
   if (r.freedom < 1) return Eigen::Matrix3d::Constant(kInfinity);
-  const double z = kCoverageQuantile, nu = r.degrees;
-  const double z3 = z * z * z, z5 = z3 * z * z, z7 = z5 * z * z;
-  // Student's quantile from the normal one (Abramowitz & Stegun, 26.7.5).
-  const double student = z + (z3 + z) / (4 * nu) + (5 * z5 + 16 * z3 + 3 * z) / (96 * nu * nu) +
-                         (3 * z7 + 19 * z5 + 17 * z3 - 15 * z) / (384 * nu * nu * nu);
+  const double student = kCoverageQuantile * student_factor(r.degrees);
   const Eigen::Matrix<double, 3, Eigen::Dynamic> gain = r.gain.topRows<3>();
   return student * student / 4 * r.variance * gain * gain.transpose();
+}
+
+constexpr int kHigher = 9;  // x³, x²y, xy², y³, x⁴, x³y, x²y², xy³, y⁴
+using Higher = Eigen::Matrix<double, kHigher, 1>;
+using HigherColumns = Eigen::Matrix<double, Eigen::Dynamic, kHigher>;
+
+/// The terms of third and fourth order per point, in a frame, lengths over `scale`.
+HigherColumns higher_columns(const Eigen::Matrix3d& frame, const Eigen::Matrix3Xd& points,
+                             double scale) {
+  HigherColumns columns(points.cols(), kHigher);
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const Eigen::Vector2d at = frame.leftCols<2>().transpose() * points.col(i) / scale;
+    const double x = at.x(), y = at.y(), xx = x * x, xy = x * y, yy = y * y;
+    columns.row(i) << xx * x, xx * y, xy * y, yy * y, xx * xx, xx * xy, xx * yy, xy * yy, yy * yy;
+  }
+  return columns;
+}
+
+/// A surface's terms of third and fourth order near a point, and what they do to a quadric's
+/// coefficients that were fitted without them. Lengths over the region's radius.
+struct HigherOrders {
+  Coefficients change = Coefficients::Zero();  ///< to be added to the quadric's coefficients
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< of the corrected A, B, C
+};
+
+/// Depths that are expected of a surface beyond its quadric. With x'Kx = k r² and x'K²x = k² r²,
+/// the depth r²k / (1 + (1 - fullness k² r²)^1/2) is a circle for a fullness of 1, as in the
+/// principal sections of a sphere, a torus and a cylinder, a parabola for 0, and an ellipse
+/// otherwise. Of third and fourth order a circle is expected, of more what the fullness says.
+struct Expectation {
+  Eigen::VectorXd depths;  ///< below the quadric, at the given points
+  Eigen::VectorXd beyond;  ///< the part of it that is of more than fourth order
+};
+
+Expectation expectation(const Coefficients& quadric, double fullness, const Eigen::Matrix3d& frame,
+                        const Eigen::Matrix3Xd& points, double scale) {
+  Expectation expected;
+  Eigen::Matrix2d curvature;
+  curvature << 2 * quadric[0], quadric[2], quadric[2], 2 * quadric[1];
+  const Eigen::Index n = points.cols();
+  expected.depths.resize(n);
+  expected.beyond.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Eigen::Vector2d at = frame.leftCols<2>().transpose() * points.col(i) / scale;
+    const Eigen::Vector2d slope = curvature * at;
+    constexpr double kFarthest = 0.99;  // no circle reaches farther than its radius
+    const double twice = at.dot(slope), square = slope.squaredNorm();
+    const double full = fullness * square;
+    expected.beyond[i] =
+        twice * (1 / (1 + std::sqrt(1 - std::min(full, kFarthest))) - 0.5 - full / 8);
+    expected.depths[i] = twice * square / 8 + expected.beyond[i];
+  }
+  return expected;
+}
+
+/// Fourth-order terms of `expectation` for a fullness of 1, x'Kx x'K²x / 8.
+Higher circle_terms(const Coefficients& quadric) {
+  const double a = 2 * quadric[0], b = quadric[2], d = 2 * quadric[1];
+  const double p = a * a + b * b, q = b * (a + d), s = b * b + d * d;
+  Higher terms;
+  terms << 0, 0, 0, 0, a * p, 2 * (a * q + b * p), a * s + 4 * b * q + d * p, 2 * (b * s + d * q),
+      d * s;
+  return terms / 8;
+}
+
+/// Usual differences of the terms of third and fourth order from what is expected: as where
+/// the curvature changes by itself within a third of its radius, and as a circle from its parabola.
+Higher usual_departure(const Coefficients& quadric) {
+  const auto k = internal::principal_curvatures_per_m({quadric[0], quadric[1], quadric[2]});
+  const double largest = std::max(std::abs(k[0]), std::abs(k[1]));
+  const double third = largest * largest / 2, fourth = largest * largest * largest / 8;
+  // The squares are binomials: the same in all directions.
+  const double root3 = std::sqrt(3.0), root6 = std::sqrt(6.0);
+  Higher departure;
+  departure << third, root3 * third, root3 * third, third, fourth, 2 * fourth, root6 * fourth,
+      2 * fourth, fourth;
+  return departure;
+}
+
+/// The misfit of the vertices in the directions that the terms can explain, and the rest.
+struct Evidence {
+  Higher eigenvalues, squares;  ///< `squares`: of the misfit, along each direction
+  double rest = 0;              ///< square of what no term explains
+  int freedom = 0;              ///< of the vertices beyond the quadric
+
+  /// Minus twice the logarithm of the likelihood of the misfit, for vertices of independent errors
+  /// and terms that scatter `width` times as expected.
+  double cost(double variance, double width2) const {
+    double product = 1, sum = 0;
+    int explained = 0;
+    for (int i = 0; i < kHigher; ++i) {
+      if (!(eigenvalues[i] > 0)) continue;
+      const double expected = variance + width2 * eigenvalues[i];
+      product *= expected / variance;
+      sum += squares[i] / expected;
+      ++explained;
+    }
+    return std::log(product) + freedom * std::log(variance) + sum + rest / variance;
+  }
+};
+
+/// Ratio of the variance of a mean of the vertices' residuals to that of as many independent ones.
+/// A surface that no terms of fourth order follow, as on a seam where its curvature jumps, leaves
+/// waves that neighbours share: there are no more independent residuals than waves, however fine
+/// the mesh.
+double waviness(const Facets& facets, const Eigen::VectorXd& left_over,
+                const Eigen::VectorXd& weights) {
+  const auto& region = facets.region();
+  double together = 0, squares = 0;
+  for (Eigen::Index i = 0; i < region.weights_m2.size(); ++i) {
+    // Samples of one facet follow each other.
+    if (i > 0 && region.corners.col(i) == region.corners.col(i - 1)) continue;
+    for (int k = 0; k < 3; ++k) {
+      const int v = region.corners(k, i), w = region.corners((k + 1) % 3, i);
+      const double weight = std::sqrt(weights[v] * weights[w]);
+      together += weight * left_over[v] * left_over[w];
+      squares += weight * (left_over[v] * left_over[v] + left_over[w] * left_over[w]) / 2;
+    }
+  }
+  constexpr double kUsual = 0.3;  // from there on it is no chance
+  constexpr double kWaves = 15;   // as many as there are terms up to the fourth order
+  const double correlation = squares > 0 ? together / squares : 0;
+  const double wavy = std::clamp((correlation - kUsual) / (1 - kUsual), 0.0, 1.0);
+  return 1 + wavy * std::max(0.0, double((weights.array() > 0).count()) / kWaves - 1);
+}
+
+/// Estimates the terms of higher order from the residuals that the quadric leaves at the vertices
+/// and takes their part out of its coefficients. How far the terms may scatter about what is
+/// expected of them, and how large the vertices' errors are, is chosen such that the residuals are
+/// most likely (empirical Bayes): many exact vertices determine the terms, few or noisy ones leave
+/// them as expected, and the covariance says how much is left open.
+/// @param rounding  standard deviation of the coordinates' last digit
+HigherOrders higher_orders(const Facets& facets, const TangentFit& fit, const Residuals& r,
+                           double rounding) {
+  using Columns6 = Eigen::Matrix<double, kUnknowns, kHigher>;
+  using Square = Eigen::Matrix<double, kHigher, kHigher>;
+  HigherOrders result;
+  const Eigen::MatrixXd terms = facets.vertex_terms(fit.frame);
+  const HigherColumns higher = higher_columns(fit.frame, facets.vertices(), facets.scale());
+  const Columns6 shift = r.gain * higher;  // of the coefficients by each term
+  const HigherColumns unexplained = higher - terms * shift;
+  const Eigen::VectorXd weights = r.areas * (double((r.areas.array() > 0).count()) / r.areas.sum());
+  const double floor = kFinestDigit * kFinestDigit;
+
+  const HigherColumns weighted = weights.asDiagonal() * unexplained;
+  const Square normal = weighted.transpose() * unexplained;
+  Coefficients quadric = fit.coefficients, departed = Coefficients::Zero();
+  Higher deviation;
+  Square gain_core = Square::Zero(), open_core = Square::Zero();
+  Expectation expected;
+  Eigen::VectorXd left_over;
+  double variance = floor, width2 = 1, degrees = r.degrees, fullness = 1;
+  // Few vertices do not tell noise from terms: the likeliest variance is often none at all.
+  double mean_variance = floor;
+  Coefficients turn = Coefficients::Zero(), last_turn = turn;
+  double step = 1;
+  // First with circles alone, from which the rest starts nearer.
+  constexpr int kCircleRounds = 4, kMostRounds = 25;
+  for (int round = 0; round < kMostRounds; ++round) {
+    expected = expectation(quadric, fullness, fit.frame, facets.vertices(), facets.scale());
+    deviation = usual_departure(quadric);
+    const Coefficients expected_shift = r.gain * expected.depths;
+    const Eigen::VectorXd misfit = r.of_vertices - expected.depths + terms * expected_shift;
+    const Higher right = deviation.asDiagonal() * (weighted.transpose() * misfit);
+    const Eigen::SelfAdjointEigenSolver<Square> eigen(
+        Square(deviation.asDiagonal() * normal * deviation.asDiagonal()));
+    const Higher along = eigen.eigenvectors().transpose() * right;
+    Evidence evidence;
+    evidence.freedom = std::max(1, r.freedom);
+    evidence.rest = misfit.cwiseAbs2().dot(weights);
+    // The terms of a surface so curved grow without end: nothing is known of its apex.
+    constexpr double kRunsAway = 20;
+    const double of_fit = fit.coefficients.head<3>().norm();
+    if (!std::isfinite(evidence.rest) || !(quadric.head<3>().norm() <= kRunsAway * of_fit)) {
+      result.change.setZero();
+      result.covariance.setConstant(kInfinity);
+      return result;
+    }
+    const double largest = std::max(2 * evidence.rest / evidence.freedom, 4 * floor);
+    const double none = 1e-12 * std::max(eigen.eigenvalues()[kHigher - 1], 0.0);
+    for (int i = 0; i < kHigher; ++i) {
+      const bool seen = eigen.eigenvalues()[i] > none && kHigher - i <= r.freedom;
+      evidence.eigenvalues[i] = seen ? eigen.eigenvalues()[i] : 0;
+      evidence.squares[i] = seen ? along[i] * along[i] / evidence.eigenvalues[i] : 0;
+      evidence.rest -= evidence.squares[i];
+    }
+    evidence.rest = std::max(evidence.rest, 0.0);
+    double best = kInfinity, all = 0, all_variances = 0;
+    for (double width = 1; width < 50; width *= 3)
+      for (double trial = floor; trial <= largest; trial *= 2.5) {
+        // Wider scatter has to pay for itself.
+        const double cost = evidence.cost(trial, width * width) + 2 * std::log(width);
+        if (cost < best) {
+          const double before = std::exp((cost - best) / 2);
+          all *= before;
+          all_variances *= before;
+          best = cost;
+          variance = trial;
+          width2 = width * width;
+        }
+        const double likelihood = std::exp((best - cost) / 2);
+        all += likelihood;
+        all_variances += likelihood * trial;
+      }
+    mean_variance = all_variances / all;
+    Higher shrunk, left;
+    degrees = r.freedom;
+    for (int i = 0; i < kHigher; ++i) {
+      const double expected_size = variance + width2 * evidence.eigenvalues[i];
+      shrunk[i] = evidence.eigenvalues[i] > 0 ? width2 / expected_size : 0;
+      const double share = shrunk[i] * evidence.eigenvalues[i];
+      left[i] = width2 * (1 - share) * (1 - share);
+      degrees -= share;
+    }
+    const Square& u = eigen.eigenvectors();
+    gain_core = u * shrunk.asDiagonal() * u.transpose();
+    open_core = u * left.asDiagonal() * u.transpose();
+    const Higher departure = deviation.asDiagonal() * gain_core * right;
+    left_over = misfit - unexplained * departure;
+    result.change = -expected_shift - shift * departure;
+    // An ellipse of this fullness is what the surface is like beyond the fourth order, too.
+    const Higher circle = circle_terms(quadric);
+    const Higher squared_inverse = deviation.cwiseAbs2().cwiseInverse();
+    const double size = circle.tail<5>().cwiseAbs2().dot(squared_inverse.tail<5>());
+    const double fuller =
+        circle.tail<5>().cwiseProduct(departure.tail<5>()).dot(squared_inverse.tail<5>()) / size;
+    if (round >= kCircleRounds)
+      fullness = std::isfinite(fuller) ? std::clamp(1 + fuller, 0.0, 4.0) : 1;
+    departed = -shift * (departure - (fullness - 1) * circle);
+    // The terms change the quadric, which changes what is expected of them. The last step tells by
+    // which one the two would have agreed.
+    turn = fit.coefficients + result.change - quadric;
+    constexpr double kArrived = 1e-13;
+    if (round > kCircleRounds && turn.head<3>().norm() <= kArrived * quadric.head<3>().norm())
+      break;
+    const double kept = last_turn.dot(turn) / last_turn.squaredNorm();
+    step = std::isfinite(kept) && round != kCircleRounds + 1
+               ? std::clamp(step / (1 - kept), 0.3, 1.2)
+               : 1.0;
+    last_turn = turn;
+    quadric += step * turn;
+  }
+  if (r.freedom < 1) {
+    result.covariance.setConstant(kInfinity);
+    return result;
+  }
+  // The corrected coefficients per depth of each vertex.
+  const Columns6 per_term = shift * deviation.asDiagonal();
+  const Eigen::Matrix<double, kUnknowns, Eigen::Dynamic> by_residual =
+      per_term * gain_core * deviation.asDiagonal() * weighted.transpose();
+  const Eigen::MatrixXd gain = r.gain - by_residual + (by_residual * terms).eval() * r.gain;
+  const double factor = student_factor(std::max(1.0, std::min(degrees, r.degrees)));
+  const Eigen::Matrix<double, 3, Eigen::Dynamic> first = gain.topRows<3>();
+  const Eigen::Matrix<double, 3, kHigher> open = per_term.topRows<3>();
+  // Terms beyond the fourth order are known as far as the fullness is.
+  const double unknown = std::sqrt(open_core.trace() / (kHigher * width2));
+  constexpr double kSeries = 0.1;
+  const Vector3d cut_off = std::max(kSeries, unknown) * (first * expected.beyond);
+  // It shows in no residual where whole rings of vertices are rounded alike, as around a pole.
+  variance = std::max({variance, mean_variance, rounding * rounding});
+  const Vector3d unsettled = turn.head<3>();  // few vertices may leave it turning
+  const Vector3d unlike = kSeries * departed.head<3>();
+  result.covariance = kCoverageQuantile * kCoverageQuantile / 4 *
+                      (factor * factor * variance * waviness(facets, left_over, weights) * first *
+                           first.transpose() +
+                       open * open_core * open.transpose() + cut_off * cut_off.transpose() +
+                       unlike * unlike.transpose() + unsettled * unsettled.transpose());
+  return result;
+}
+
+/// Terms of higher order where facets are read as the surface itself, whose vertices tell nothing
+/// of what is between them: the terms are what is expected of them.
+HigherOrders expected_orders(const Facets& facets, const TangentFit& fit, const Residuals& r) {
+  using Matrix6 = Eigen::Matrix<double, kUnknowns, kUnknowns>;
+  using Columns6 = Eigen::Matrix<double, kUnknowns, kHigher>;
+  const Eigen::MatrixXd terms = facets.terms(fit.frame);
+  const HigherColumns higher = higher_columns(fit.frame, facets.points(), facets.scale());
+  const auto weighted = facets.region().weights_m2.asDiagonal() * terms;
+  const Matrix6 normal = terms.transpose() * weighted;
+  const Columns6 shift =
+      internal::solve_semidefinite(normal, Eigen::MatrixXd((weighted).transpose() * higher));
+  HigherOrders result;
+  result.covariance = covariance(r);
+  Coefficients quadric = fit.coefficients;
+  constexpr int kRounds = 3;
+  for (int round = 0; round < kRounds; ++round) {
+    const Eigen::VectorXd depths =
+        expectation(quadric, 1, fit.frame, facets.points(), facets.scale()).depths;
+    const Eigen::VectorXd right = weighted.transpose() * depths;
+    result.change = -internal::solve_semidefinite(normal, Eigen::MatrixXd(right));
+    quadric = fit.coefficients + result.change;
+  }
+  const Eigen::Matrix<double, 3, kHigher> open =
+      shift.topRows<3>() * usual_departure(quadric).asDiagonal();
+  result.covariance += kCoverageQuantile * kCoverageQuantile / 4 * open * open.transpose();
+  return result;
+}
+
+/// A quadric in the frame of its own tangent plane.
+struct Apex {
+  Coefficients coefficients;  ///< without tilts
+  Vector3d normal;
+  Eigen::Matrix3d frame;
+};
+
+/// The curvature, at the foot of the given point, of a surface whose quadric has a tilt: in the
+/// tangent plane there. Lengths over the region's radius.
+Apex apex_of(const TangentFit& fit, const Coefficients& c) {
+  const double dx = c[3], dy = c[4];
+  Apex apex;
+  apex.normal = (fit.frame * Vector3d(dx, dy, 1)).normalized();
+  apex.frame = surface_axes(apex.normal);
+  // Second fundamental form in the directions (1, 0, -dx), (0, 1, -dy), over the slope.
+  const double slope = std::sqrt(1 + dx * dx + dy * dy);
+  Eigen::Matrix2d form;
+  form << 2 * c[0], c[2], c[2], 2 * c[1];
+  const Eigen::Matrix2d axes = (fit.frame.transpose() * apex.frame).topLeftCorner<2, 2>();
+  const Eigen::Matrix2d curvature = axes.transpose() * form * axes / slope;
+  apex.coefficients << curvature(0, 0) / 2, curvature(1, 1) / 2, curvature(0, 1), 0, 0,
+      c[5] / slope;
+  return apex;
 }
 
 /// Estimate of the share of chords: the kinks between facets over those between the facets of the
@@ -642,30 +969,39 @@ QuadricFit fit_region(const SurfaceNeighbourhood& neighbourhood, double region_r
   Facets facets(region, vertices, region_radius_m);
   if (reading == Reading::facets) facets.take_as_chords(0);
   RobustFit found = fit_without_spikes(facets, region);
-  Eigen::Vector3d other_reading = Eigen::Vector3d::Zero();
   const double chords = reading == Reading::vertices ? chord_share(facets, found.fit) : 1;
+  // Mesh files carry single precision. Of a rounded number the error is 1/sqrt(12) of its step.
+  const double rounding = std::sqrt(1.0 / 12) * std::numeric_limits<float>::epsilon() *
+                          neighbourhood.centre_m().cwiseAbs().maxCoeff() / region_radius_m;
+  HigherOrders higher = reading == Reading::vertices
+                            ? higher_orders(facets, found.fit, found.scatter, rounding)
+                            : expected_orders(facets, found.fit, found.scatter);
+  Apex apex = apex_of(found.fit, found.fit.coefficients + higher.change);
   if (chords < 1) {
-    other_reading = found.fit.coefficients.head<3>();
+    const Vector3d as_chords = apex.coefficients.head<3>();
     facets.take_as_chords(chords);
     found.fit = fit_tangent(facets, found.fit.normal);
     found.scatter = residuals(facets, found.fit, found.outliers);
-    other_reading -= found.fit.coefficients.head<3>();
+    higher = expected_orders(facets, found.fit, found.scatter);
+    apex = apex_of(found.fit, found.fit.coefficients + higher.change);
+    // The share of chords is an estimate. Where it is less than 1, the fit that reads all facets as
+    // chords may be the right one: two standard deviations reach a little beyond it.
+    constexpr double kReach = 1.2;
+    const Vector3d other_reading = kReach / 2 * (apex.coefficients.head<3>() - as_chords);
+    higher.covariance += other_reading * other_reading.transpose();
   }
   const TangentFit& fit = found.fit;
 
   QuadricFit result;
   const double per_metre = 1 / region_radius_m;
-  result.quadric = {fit.coefficients[0] * per_metre, fit.coefficients[1] * per_metre,
-                    fit.coefficients[2] * per_metre};
-  // The share of chords is an estimate. Where it is less than 1, the difference to the fit that
-  // reads all facets as chords is taken for two standard deviations and added.
-  result.covariance_per_m2 =
-      (covariance(found.scatter) + other_reading * other_reading.transpose() / 4) * per_metre *
-      per_metre;
+  const Coefficients& coefficients = apex.coefficients;
+  result.quadric = {coefficients[0] * per_metre, coefficients[1] * per_metre,
+                    coefficients[2] * per_metre};
+  result.covariance_per_m2 = higher.covariance * per_metre * per_metre;
   set_principal_radii(result, region_radius_m);
-  result.normal = fit.normal;
-  result.x_axis = fit.frame.col(0);
-  result.origin_m = neighbourhood.point_m() - fit.coefficients[5] * region_radius_m * fit.normal;
+  result.normal = apex.normal;
+  result.x_axis = apex.frame.col(0);
+  result.origin_m = neighbourhood.point_m() - coefficients[5] * region_radius_m * apex.normal;
   result.area_m2 = region.weights_m2.sum();
   const Eigen::VectorXd distances =
       facets.depths(fit.frame) -

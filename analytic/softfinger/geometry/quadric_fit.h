@@ -32,12 +32,14 @@ enum class SurfaceKind {
               ///< quadric's radii say little about a contact there
 };
 
-/// Least-squares quadric of the part of a triangulated surface around a point.
+/// Quadric of a triangulated surface at a point: its curvatures are those of the surface there, at
+/// the apex, not those of a parabola through the whole region.
 ///
-/// The standard deviations come from the scatter of the vertices about the quadric, with Student's
-/// factor for few vertices, such that two of them hold both radii of a noisy quadric, together, in
-/// 95 % of all cases (each one alone in 97.5 %). On a body that is no quadric at the scale of the
-/// region the radii change with the region by more than that: see `radii_region_change_m`.
+/// The standard deviations come from the scatter of the vertices about the fitted surface, with
+/// Student's factor for few vertices, such that two of them hold both radii of a noisy surface,
+/// together, in 95 % of all cases (each one alone in 97.5 %), and from what the vertices leave open
+/// of the terms beyond the quadric. On a body that no terms of fourth order follow at the scale of
+/// the region the radii change with the region by more than that: see `radii_region_change_m`.
 struct QuadricFit {
   Quadric quadric;
   Eigen::Matrix3d covariance_per_m2 = Eigen::Matrix3d::Zero();  ///< of (A, B, C)
@@ -53,7 +55,7 @@ struct QuadricFit {
       x_axis;  ///< unit, in the tangent plane: the projection of the global x axis (of the global y
                ///< axis where the normal is within 30 degrees of x); y = normal cross x_axis
 
-  double residual_rms_m = 0;  ///< area-weighted, between facets and quadric
+  double residual_rms_m = 0;  ///< area-weighted, between facets and their least-squares quadric
   double region_radius_m = 0;
   double area_m2 = 0;  ///< of the surface region used
   int points = 0;      ///< vertices of the mesh within the region
@@ -69,7 +71,16 @@ Eigen::Matrix3d surface_axes(const Eigen::Vector3d& normal);
 
 /// Fits the connected region of `surface` around `point_m` within `region_radius_m`: minimises the
 /// integral of (depth of the facets - quadric)² over the region's area (Ciocarlie et al. 2007, eq.
-/// 7).
+/// 7), then takes out of the quadric what the surface's terms of higher order did to it.
+///
+/// Over a cap of a sphere the least-squares quadric alone is more curved than the sphere, by a
+/// quarter of (region's radius / R)². The terms of third and fourth order are therefore estimated
+/// from the residuals of the vertices. Expected of them is that the principal sections are circles;
+/// how far they may differ from that, and how large the vertices' errors are, is chosen such that
+/// the residuals are most likely (empirical Bayes). Exact vertices so give the radii of spheres,
+/// cylinders and paraboloids exactly, those of ellipsoids and tori to the sixth order; few or noisy
+/// vertices leave the expectation, and the covariance holds what is open. A kink or a seam leaves
+/// residuals that neighbours share, which count as fewer.
 ///
 /// The region grows from the triangle nearest to the point over shared edges, through triangles
 /// that face the same way (within 75 degrees of the region's mean normal), and is clipped at a ball

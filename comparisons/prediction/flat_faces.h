@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "softfinger/input/triangle_surface.h"
+
+/// Flat faces of a triangulated surface: pads and places to stand on.
+namespace softfinger::prediction {
+
+/// Facets that hang together over edges and lie in one plane, within 1e-5 of the surface's size (a
+/// file's rounding).
+struct FlatFace {
+  Eigen::Vector3d middle_m;          ///< on the face, far from its edges
+  Eigen::Vector3d normal;            ///< outward, of length 1
+  double length_m = 0, width_m = 0;  ///< sides of the smallest rectangle around it, length >= width
+  double area_m2 = 0;
+  double room_m = 0;          ///< from `middle_m` to the nearest edge
+  bool is_outermost = false;  ///< all of the surface lies behind it: the body can stand on it
+  std::vector<int> triangles;
+
+  /// Whether the face goes all the way round something, as the rim of a cup does.
+  bool is_ring() const { return area_m2 < 0.4 * length_m * width_m; }
+};
+
+/// The flat faces that are wide enough to be a pad, with room for a circle of a twentieth of the
+/// surface's width, the largest first. Cost: linear in the number of triangles, but for their sort.
+std::vector<FlatFace> flat_faces(const TriangleSurface& surface);
+
+/// The one of `faces` on which the surface's point nearest to this one lies; null for none.
+const FlatFace* face_at(const TriangleSurface& surface, const std::vector<FlatFace>& faces,
+                        const Eigen::Vector3d& point_m);
+
+/// "flat, 22 x 37 mm: a pad", the shorter side first.
+std::string in_words(const FlatFace& face);
+
+}  // namespace softfinger::prediction
