@@ -17,6 +17,7 @@
 #include "comparisons/input/scene.h"
 #include "comparisons/robots/mujoco_contacts.h"
 #include "comparisons/robots/mujoco_scene.h"
+#include "comparisons/robots/urdf_scene.h"
 #include "comparisons/simulation/simulate.h"
 #include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/input/constants.h"
@@ -75,8 +76,10 @@ class Robots : public testing::Test {
  protected:
   input::Scene import(const std::string& name, const std::string& text,
                       const std::vector<robots::FingerLayer>& layers = {}) {
+    const fs::path file = folder_.write(name, text);
     const robots::ImportedScene imported =
-        robots::import_robot(folder_.write(name, text), folder_.path(), "robot", layers);
+        file.extension() == ".urdf" ? robots::import_urdf(file, folder_.path(), "robot", layers)
+                                    : robots::import_robot(file, folder_.path(), "robot", layers);
     notes_ = imported.notes;
     text_ = imported.text;
     return input::parse_scene(imported.text, folder_.path() / "robot.toml");

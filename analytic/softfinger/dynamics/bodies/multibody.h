@@ -42,6 +42,9 @@ struct JointDescription {
   /// The inertia of a motor that turns with the joint, times its gear ratio squared; kg m2, or kg
   /// for a prismatic joint. It counts for the joint's own velocity alone (armature). >= 0
   double rotor_inertia = 0;
+  /// The largest effort of dry friction, of a hinge or slide: below it the joint holds, above it
+  /// slides against it; N m or N. >= 0
+  double dry_friction = 0;
 };
 
 /// Holds two bodies of a closed chain together, as the joint of that kind would: the chain's bodies
