@@ -96,6 +96,10 @@ class MjcfFilter {
         for (XMLElement* equality : children(*child)) rewrite_equality(*equality);
     for (XMLElement* child : children(root))
       if (kind(*child) == "body") collect(*child);
+    leave_out_visuals(root);
+    for (XMLElement* child : children(root))
+      if (kind(*child) == "body") note_mesh_masses(*child);
+    choose_mesh_inertia(root);
     filter(root);
     if (!left_out_.empty()) {
       std::vector<std::string> parts;
@@ -164,6 +168,8 @@ class MjcfFilter {
       if (child->Name() != std::string("compiler")) continue;
       if (const char* angle = child->Attribute("angle")) in_degrees_ = angle != std::string("radian");
       if (const char* sequence = child->Attribute("eulerseq")) euler_sequence_ = sequence;
+      if (const char* from = child->Attribute("inertiafromgeom"))
+        takes_mass_from_geoms_ = from == std::string("true");
       if (const char* limits = child->Attribute("autolimits"))
         has_autolimits_ = limits != std::string("false");
       if (const char* folder = child->Attribute("assetdir")) {
@@ -406,6 +412,11 @@ class MjcfFilter {
           if (part != 0) result_.gravity_compensation[own_name(*child, "body")] = part;
           child->DeleteAttribute("gravcomp");
         }
+        const XMLElement* inertial = child->FirstChildElement("inertial");
+        if (inertial && inertial->Attribute("fullinertia") && child->Attribute("name")) {
+          const auto six = numbers(*inertial, "fullinertia", {0, 0, 0, 0, 0, 0});
+          std::copy_n(six.begin(), 6, result_.full_inertia[child->Attribute("name")].begin());
+        }
         collect(*child);
       } else if (name == "joint" && value(*child, "actuatorfrcrange")) {
         const auto range = numbers(*child, "actuatorfrcrange", {0, 0});
@@ -424,11 +435,112 @@ class MjcfFilter {
     return name;
   }
 
+  /// Leaves out geoms that are only seen, and the meshes of them, which are often the larger part of
+  /// the files, or are not there.
+  void leave_out_visuals(XMLElement& root) {
+    for (XMLElement* child : children(root)) {
+      const std::string name = child->Name();
+      if (name == "contact" || name == "tendon" || name == "equality") note_named_geoms(*child);
+    }
+    for (XMLElement* child : children(root))
+      if (kind(*child) == "body") leave_out_geoms(*child);
+    std::set<std::string> used;
+    note_meshes(root, used);
+    for (XMLElement* child : children(root)) {
+      if (child->Name() != std::string("asset")) continue;
+      for (XMLElement* mesh : children(*child)) {
+        if (mesh->Name() != std::string("mesh")) continue;
+        const char *own = mesh->Attribute("name"), *file = mesh->Attribute("file");
+        const std::string name = own ? own : fs::path(file ? file : "").stem().string();
+        if (used.count(name) == 0) child->DeleteChild(mesh);
+      }
+    }
+  }
+
+  void note_named_geoms(const XMLElement& parent) {
+    for (const XMLElement* child = parent.FirstChildElement(); child;
+         child = child->NextSiblingElement()) {
+      for (const char* name : {"geom", "geom1", "geom2", "sidesite"})
+        if (const char* geom = child->Attribute(name)) named_geoms_.insert(geom);
+      note_named_geoms(*child);
+    }
+  }
+
+  static void note_meshes(const XMLElement& parent, std::set<std::string>& used) {
+    for (const XMLElement* child = parent.FirstChildElement(); child;
+         child = child->NextSiblingElement()) {
+      if (const char* mesh = child->Attribute("mesh")) used.insert(mesh);
+      note_meshes(*child, used);
+    }
+  }
+
+  void leave_out_geoms(XMLElement& body) {
+    const bool has_mass = body.FirstChildElement("inertial") && !takes_mass_from_geoms_;
+    const bool is_world = body.Name() == std::string("worldbody");
+    const auto is_zero = [&](const XMLElement& geom, const char* name, double usual) {
+      const auto typed = numbers(geom, name, {usual});
+      return typed[0] == 0;
+    };
+    for (XMLElement* child : children(body)) {
+      if (kind(*child) == "body") leave_out_geoms(*child);
+      if (child->Name() != std::string("geom")) continue;
+      const char* name = child->Attribute("name");
+      if (name && named_geoms_.count(name) > 0) continue;
+      if (!is_zero(*child, "contype", 1) || !is_zero(*child, "conaffinity", 1)) continue;
+      const bool is_light = value(*child, "mass") ? is_zero(*child, "mass", 0)
+                                                  : is_zero(*child, "density", 1000);
+      if (!has_mass && !is_world && !is_light) continue;
+      ++result_.visual_geoms;
+      body.DeleteChild(child);
+    }
+  }
+
+  /// Geoms from whose meshes the mass of a body follows.
+  void note_mesh_masses(XMLElement& body) {
+    const bool is_derived = !body.FirstChildElement("inertial") || takes_mass_from_geoms_;
+    for (XMLElement* child : children(body)) {
+      if (kind(*child) == "body") note_mesh_masses(*child);
+      if (child->Name() != std::string("geom") || !is_derived ||
+          body.Name() == std::string("worldbody") || value(*child, "type") != "mesh")
+        continue;
+      if (const auto mesh = value(*child, "mesh")) weighed_meshes_.insert(*mesh);
+      if (value(*child, "mass") || value(*child, "shellinertia") == "true") continue;
+      result_.density_of_mesh_geom[own_name(*child, "geom")] =
+          numbers(*child, "density", {1000})[0];
+    }
+  }
+
+  /// The library knows one way for all meshes.
+  void choose_mesh_inertia(XMLElement& root) {
+    std::set<std::string> ways;
+    for (XMLElement* assets : children(root)) {
+      if (assets->Name() != std::string("asset")) continue;
+      for (XMLElement* mesh : children(*assets)) {
+        if (mesh->Name() != std::string("mesh")) continue;
+        const char *own = mesh->Attribute("name"), *file = mesh->Attribute("file");
+        const std::string name = own ? own : fs::path(file ? file : "").stem().string();
+        if (weighed_meshes_.count(name) == 0) continue;
+        const std::string way = value(*mesh, "inertia").value_or("legacy");
+        if (way != "legacy" && way != "exact")
+          refuse(*mesh, fmt::format("inertia = {} of mesh {}, from which a mass follows",
+                                    in_quotes(way), in_quotes(name)));
+        ways.insert(way);
+        if (ways.size() > 1)
+          refuse(*mesh, "inertia of meshes, from which masses follow, in two ways: \"exact\" and "
+                        "\"legacy\"");
+      }
+    }
+    if (ways.count("exact") == 0) return;
+    result_.density_of_mesh_geom.clear();
+    root.FirstChildElement("compiler")->SetAttribute("exactmeshinertia", "true");
+  }
+
   void leave_out(const std::string& what) { ++left_out_[what]; }
 
   void filter(XMLElement& parent) {
     for (XMLElement* child : children(parent)) {
       const std::string name = kind(*child);
+      if (name == "inertial" && !child->Attribute("pos")) child->SetAttribute("pos", "0 0 0");
       if (kUnused.count(name) > 0) {
         if (name == "sensor") sensors_ += int(children(*child).size());
         parent.DeleteChild(child);
@@ -492,10 +604,7 @@ class MjcfFilter {
     if (name == "joint" && inside != "equality" &&
         (attribute == "actuatorfrcrange" || attribute == "actuatorfrclimited"))
       return;  // done by the scene
-    if (name == "mesh" && attribute == "inertia") {
-      if (!is_default) leave_out("mesh inertia");
-      return;
-    }
+    if (name == "mesh" && attribute == "inertia") return;  // looked at where masses follow
     const bool of_actuator = kActuators.count(name) > 0 && (is_default || inside == "actuator");
     if (of_actuator && (attribute == "kv" || attribute == "dampratio") && name == "position") return;
     if (is_harmless("*") || is_harmless(name.c_str()) || name == "site" || inside == "tendon" ||
@@ -517,7 +626,9 @@ class MjcfFilter {
   tinyxml2::XMLDocument document_;
   MjcfFile result_;
   std::set<fs::path> included_;
-  bool in_degrees_ = true, has_autolimits_ = true;
+  bool in_degrees_ = true, has_autolimits_ = true, takes_mass_from_geoms_ = false;
+  std::set<std::string> weighed_meshes_;
+  std::set<std::string> named_geoms_;  ///< by contacts, tendons and equalities
   std::string euler_sequence_ = "xyz";
   std::map<std::string, Class> classes_;
   std::map<std::string, Site> sites_;
@@ -555,6 +666,24 @@ MjcfSchema schema_of_library() {
   for (const char* name : {"body", "default"})
     schema[std::string(name) + "/" + name] = schema["mujoco/" + std::string(name)];
   return schema;
+}
+
+std::string with_masses(const std::string& text, const std::map<std::string, double>& mass_kg) {
+  tinyxml2::XMLDocument document;
+  document.Parse(text.c_str(), text.size());
+  std::vector<XMLElement*> open = {document.RootElement()};
+  while (!open.empty()) {
+    XMLElement* element = open.back();
+    open.pop_back();
+    for (XMLElement* child : children(*element)) open.push_back(child);
+    const char* name = element->Attribute("name");
+    const auto found = mass_kg.find(name ? name : "");
+    if (element->Name() == std::string("geom") && found != mass_kg.end())
+      element->SetAttribute("mass", fmt::format("{}", found->second).c_str());
+  }
+  tinyxml2::XMLPrinter printer(nullptr, true);
+  document.Print(&printer);
+  return printer.CStr();
 }
 
 MjcfFile read_mjcf(const fs::path& file, const MjcfSchema& schema) {

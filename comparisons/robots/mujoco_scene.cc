@@ -76,6 +76,37 @@ MjcfFile read_checked(const std::filesystem::path& file) {
   return read_mjcf(file, schema_of_library());
 }
 
+/// The volume of a mesh as MuJoCo 3 has it where the file does not say how, "legacy": that of the
+/// tetrahedra of the facets and the centre of mass, all with one sign. A model has its meshes with
+/// the centre of mass at the origin.
+double legacy_volume_m3(const mjModel& model, int mesh) {
+  const float* vertices = model.mesh_vert + 3 * model.mesh_vertadr[mesh];
+  const int* faces = model.mesh_face + 3 * model.mesh_faceadr[mesh];
+  double volume_m3 = 0;
+  for (int f = 0; f < model.mesh_facenum[mesh]; ++f) {
+    Matrix3d corners;
+    for (int k = 0; k < 3; ++k)
+      corners.col(k) = Eigen::Map<const Eigen::Vector3f>(vertices + 3 * faces[3 * f + k])
+                           .cast<double>();
+    volume_m3 += std::abs(corners.determinant()) / 6;
+  }
+  return volume_m3;
+}
+
+/// The library has another volume of a mesh than MuJoCo 3: where masses follow from
+/// meshes, the file is read again with them.
+Model load(const std::filesystem::path& file, const MjcfFile& mjcf) {
+  Model first(file, mjcf.text);
+  std::map<std::string, double> masses;
+  for (const auto& [name, density_kg_per_m3] : mjcf.density_of_mesh_geom) {
+    const int geom = mj_name2id(first.model.get(), mjOBJ_GEOM, name.c_str());
+    if (geom < 0 || first.model->geom_dataid[geom] < 0) continue;
+    masses[name] =
+        density_kg_per_m3 * legacy_volume_m3(*first.model, first.model->geom_dataid[geom]);
+  }
+  return masses.empty() ? std::move(first) : Model(file, with_masses(mjcf.text, masses));
+}
+
 class Importer {
  public:
   Importer(const std::filesystem::path& file, const std::filesystem::path& meshes, std::string id,
@@ -85,11 +116,12 @@ class Importer {
         id_(std::move(id)),
         layers_(layers),
         mjcf_(read_checked(file)),
-        loaded_(file, mjcf_.text),
+        loaded_(load(file, mjcf_)),
         m_(loaded_.model.get()),
         d_(loaded_.data.get()),
         contacts_(*m_) {
     result_.notes = mjcf_.notes;
+    visual_geoms_ = mjcf_.visual_geoms;
     for (int b = 0; b < m_->nbody; ++b) names_.insert(body_name(b));
   }
 
@@ -257,9 +289,27 @@ class Importer {
       bodies_ += "massless = true\n";
       return;
     }
-    bodies_ +=
-        mass_lines(share * m_->body_mass[b], pose(m_->body_ipos + 3 * b, m_->body_iquat + 4 * b),
-                   (share * vector(m_->body_inertia + 3 * b)).asDiagonal());
+    const Isometry3d at = pose(m_->body_ipos + 3 * b, m_->body_iquat + 4 * b);
+    const Matrix3d inertia =
+        at.linear() * vector(m_->body_inertia + 3 * b).asDiagonal() * at.linear().transpose();
+    Isometry3d center = Isometry3d::Identity();
+    center.translation() = at.translation();
+    bodies_ += mass_lines(share * m_->body_mass[b], center, share * exact(b, inertia));
+  }
+
+  /// The matrix of the file, where the library has only rounded it.
+  Matrix3d exact(int b, const Matrix3d& inertia) const {
+    const char* own = mj_id2name(m_, mjOBJ_BODY, b);
+    const auto found = mjcf_.full_inertia.find(own ? own : "");
+    if (found == mjcf_.full_inertia.end()) return inertia;
+    const auto& six = found->second;
+    Matrix3d typed;
+    typed << six[0], six[3], six[4], six[3], six[1], six[5], six[4], six[5], six[2];
+    // Otherwise the library has changed it as the file's <compiler> says.
+    constexpr double kRounding = 1e-6;
+    const bool is_same = (typed - inertia).cwiseAbs().maxCoeff() <=
+                         kRounding * inertia.cwiseAbs().maxCoeff();
+    return is_same ? typed : inertia;
   }
 
   int dofs(int j) const {

@@ -108,7 +108,8 @@ class UrdfCheck {
         {"mass", "value", 1},     {"inertia", "ixx", 1},      {"inertia", "ixy", 1},
         {"inertia", "ixz", 1},    {"inertia", "iyy", 1},      {"inertia", "iyz", 1},
         {"inertia", "izz", 1},    {"box", "size", 3},         {"sphere", "radius", 1},
-        {"cylinder", "radius", 1}, {"cylinder", "length", 1}, {"mesh", "scale", 3},
+        {"cylinder", "radius", 1}, {"cylinder", "length", 1}, {"capsule", "radius", 1},
+        {"capsule", "length", 1}, {"mesh", "scale", 3},
         {"limit", "lower", 1},    {"limit", "upper", 1},      {"limit", "effort", 1},
         {"limit", "velocity", 1}, {"dynamics", "damping", 1}, {"dynamics", "friction", 1},
         {"mimic", "multiplier", 1}, {"mimic", "offset", 1}};
@@ -149,10 +150,11 @@ class UrdfCheck {
         count == 1 ? "a finite number" : fmt::format("{} finite numbers", count));
   }
   void check_shape(const XMLElement& shape, const std::string& where) {
-    static const std::vector<std::string> known = {"box", "sphere", "cylinder", "mesh"};
+    static const std::vector<std::string> known = {"box", "sphere", "cylinder", "capsule",
+                                                   "mesh"};
     if (std::find(known.begin(), known.end(), shape.Name()) == known.end())
       throw InputError(where, fmt::format("geometry, line {}", shape.GetLineNum()),
-                       in_quotes(shape.Name()), "box, sphere, cylinder or mesh");
+                       in_quotes(shape.Name()), "box, sphere, cylinder, capsule or mesh");
     if (const char* mesh = shape.Attribute("filename"))
       urdf_.line_of_mesh.emplace(mesh, shape.GetLineNum());
   }
@@ -231,7 +233,7 @@ class UrdfCheck {
   }
 
   /// Leaves links and joints, and of links what a scene is made of.
-  static void strip(XMLElement& root) {
+  void strip(XMLElement& root) {
     keep_only(root, {"link", "joint"});
     for (XMLElement* link = root.FirstChildElement("link"); link;
          link = link->NextSiblingElement("link")) {
@@ -239,10 +241,31 @@ class UrdfCheck {
       for (XMLElement* visual = link->FirstChildElement("visual"); visual;
            visual = visual->NextSiblingElement("visual"))
         keep_only(*visual, {"origin", "geometry"});
+      for (const char* name : {"visual", "collision"}) {
+        int number = 0;
+        for (XMLElement* one = link->FirstChildElement(name); one;
+             one = one->NextSiblingElement(name), ++number)
+          replace_capsule(*one, attribute(*link, "name"), number);
+      }
     }
     for (XMLElement* joint = root.FirstChildElement("joint"); joint;
          joint = joint->NextSiblingElement("joint"))
       keep_only(*joint, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"});
+    for (XMLElement* joint = root.FirstChildElement("joint"); joint;
+         joint = joint->NextSiblingElement("joint"))
+      if (XMLElement* limit = joint->FirstChildElement("limit"))
+        // urdfdom wants them; without them there are none.
+        for (const char* name : {"lower", "upper", "effort", "velocity"})
+          if (!limit->Attribute(name)) limit->SetAttribute(name, "0");
+  }
+
+  void replace_capsule(XMLElement& shape, const std::string& link, int number) {
+    XMLElement* geometry = shape.FirstChildElement("geometry");
+    XMLElement* capsule = geometry ? geometry->FirstChildElement("capsule") : nullptr;
+    if (!capsule) return;
+    capsule->SetName("cylinder");
+    const bool is_visual = shape.Name() == std::string("visual");
+    urdf_.capsules.insert({link, is_visual ? UrdfFile::kVisual + number : number});
   }
 
   static void keep_only(XMLElement& parent, const std::vector<std::string>& names) {

@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace softfinger::robots {
@@ -12,6 +14,11 @@ struct UrdfFile {
   std::string text;                ///< links and joints alone: urdfdom stops at faults of the rest
   std::vector<std::string> notes;  ///< what is left out, a sentence each
   std::map<std::string, int> line_of_link, line_of_joint;
+  /// Shapes that are capsules, by the link's name and their number among its collisions, or its
+  /// visual shapes from kVisual on: an element of Bullet and others, for which the text has a
+  /// cylinder, since urdfdom does not know it.
+  static constexpr int kVisual = 1 << 20;
+  std::set<std::pair<std::string, int>> capsules;
   std::map<std::string, int> line_of_mesh;  ///< by the name of its file
   /// What the simulators' own elements say of links: lateral_friction in <contact> (Bullet) and
   /// mu1 in <gazebo>.

@@ -194,15 +194,17 @@ class UrdfImporter {
 
   void describe_link(const urdf::Link& link) {
     LinkParts& parts = links_[&link];
-    for (const auto& collision : link.collision_array)
-      if (collision && collision->geometry)
-        add_shape(link, *collision->geometry, pose(collision->origin), parts);
+    for (std::size_t i = 0; i < link.collision_array.size(); ++i)
+      if (const auto& collision = link.collision_array[i]; collision && collision->geometry)
+        add_shape(link, *collision->geometry, pose(collision->origin),
+                  urdf_.capsules.count({link.name, int(i)}) > 0, parts);
     if (link.collision_array.empty() && !link.visual_array.empty()) take_visuals(link, parts);
     describe_mass(link, parts);
   }
 
   void take_visuals(const urdf::Link& link, LinkParts& parts) {
-    for (const auto& visual : link.visual_array) {
+    for (std::size_t i = 0; i < link.visual_array.size(); ++i) {
+      const auto& visual = link.visual_array[i];
       if (!visual || !visual->geometry) continue;
       const auto* mesh = dynamic_cast<const urdf::Mesh*>(visual->geometry.get());
       if (mesh && !is_known_mesh(mesh->filename)) {
@@ -210,14 +212,15 @@ class UrdfImporter {
              in_quotes(link.name), in_quotes(mesh->filename));
         continue;
       }
-      add_shape(link, *visual->geometry, pose(visual->origin), parts);
+      add_shape(link, *visual->geometry, pose(visual->origin),
+                urdf_.capsules.count({link.name, UrdfFile::kVisual + int(i)}) > 0, parts);
     }
     if (!parts.shapes.empty())
       note("link {} has no collision: its visual shapes stand in", in_quotes(link.name));
   }
 
   void add_shape(const urdf::Link& link, const urdf::Geometry& geometry, const Isometry3d& at,
-                 LinkParts& parts) {
+                 bool is_capsule, LinkParts& parts) {
     PlacedShape shape;
     shape.at = at;
     bool is_empty = false;
@@ -234,10 +237,13 @@ class UrdfImporter {
       shape.volume_m3 = size.prod();
     } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
       is_empty = !(cylinder->radius > 0) || !(cylinder->length > 0);
-      shape.text = fmt::format("cylinder_radius_length_mm = [{}, {}]",
-                               cylinder->radius / kMillimetre, cylinder->length / kMillimetre);
-      shape.unit_mass = unit_mass_of_cylinder(cylinder->radius, cylinder->length);
-      shape.volume_m3 = kPi * cylinder->radius * cylinder->radius * cylinder->length;
+      const double r = cylinder->radius, length = cylinder->length;
+      shape.text = fmt::format("{}_radius_length_mm = [{}, {}]",
+                               is_capsule ? "capsule" : "cylinder", r / kMillimetre,
+                               length / kMillimetre);
+      shape.unit_mass = is_capsule ? unit_mass_of_capsule(r, length)
+                                   : unit_mass_of_cylinder(r, length);
+      shape.volume_m3 = kPi * r * r * (length + (is_capsule ? 4 * r / 3 : 0));
     } else if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry)) {
       add_mesh(link, *mesh, shape);
     }
