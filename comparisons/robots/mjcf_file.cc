@@ -338,7 +338,19 @@ class MjcfFilter {
       const auto six = numbers(element, "fromto", {0, 0, 0, 0, 0, 1});
       const Vector3d from = frame * Vector3d(six[0], six[1], six[2]),
                      to = frame * Vector3d(six[3], six[4], six[5]);
-      element.SetAttribute("fromto", (words(from) + " " + words(to)).c_str());
+      if (value(element, "type") != "box") {
+        element.SetAttribute("fromto", (words(from) + " " + words(to)).c_str());
+        return;
+      }
+      // A box is turned about its axis as it would be without the frame.
+      const Vector3d along(six[0] - six[3], six[1] - six[4], six[2] - six[5]);
+      Isometry3d at = frame;
+      at.translation() = (from + to) / 2;
+      at.linear() *= Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), along).toRotationMatrix();
+      element.DeleteAttribute("fromto");
+      set_pose(element, at);
+      const double side = numbers(element, "size", {0})[0];
+      element.SetAttribute("size", words({side, side, along.norm() / 2}).c_str());
     } else if (name == "body" || name == "geom" || name == "site") {
       set_pose(element, frame * pose(element));
     } else if (name != "freejoint" && kUnused.count(name) == 0) {
