@@ -248,7 +248,8 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       "A scene has [simulation], [[body]], and may have [[layer]], [[joint]], [[loop]], [[motor]], "
       "[[force]]\nand [[contact]]; see the built-in ones and README.md. At most 1000 bodies "
       "(copies counted) "
-      "and as many joints and forces,\n20000 contacts, 100 shapes per body, 10000 times per table, a "
+      "and as many joints and forces,\n20000 contacts, 100 shapes per body, 10000 times per table, "
+      "a "
       "million steps, five million steps times bodies, 16 MiB.\n"
       "friction in [simulation] or [[contact]] names a law:\n" +
       laws +

@@ -522,11 +522,10 @@ void SceneReader::read_bodies() {
 
 void SceneReader::read_joints() {
   for (const toml::table* table : tables("joint", kMostJoints)) {
-    reader_.check_keys(
-        *table, "[[joint]]",
-        {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg", "start_mm",
-         "limits_deg", "limits_mm", "rotor_inertia_kg_mm2", "rotor_mass_g", "dry_friction_Nm",
-         "dry_friction_N"});
+    reader_.check_keys(*table, "[[joint]]",
+                       {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg",
+                        "start_mm", "limits_deg", "limits_mm", "rotor_inertia_kg_mm2",
+                        "rotor_mass_g", "dry_friction_Nm", "dry_friction_N"});
     JointDescription joint;
     const toml::node& name = reader_.required(*table, "[[joint]]", "name");
     joint.name = reader_.name(name, "name");
@@ -803,8 +802,8 @@ ContactRule SceneReader::read_rule(const toml::table& table) const {
   return rule;
 }
 
-/// Bodies that a joint connects, also by way of bodies without shapes, overlap there in nearly every
-/// file: they do not collide unless a [[contact]] names both.
+/// Bodies that a joint connects, also by way of bodies without shapes, overlap there in nearly
+/// every file: they do not collide unless a [[contact]] names both.
 void SceneReader::separate_joined_bodies() {
   const std::size_t count = scene_.bodies.size();
   scene_.rules.push_back({});

@@ -110,7 +110,8 @@ ImportedScene import(const Words& words) {
   mju_user_warning = note;
   const InputError no_number(words.file, "number", "NaN", "finite numbers");
   try {
-    ImportedScene scene = softfinger::robots::import_robot(file, words.meshes, words.id, words.layers);
+    ImportedScene scene =
+        softfinger::robots::import_robot(file, words.meshes, words.id, words.layers);
     if (has_nan) throw no_number;
     return scene;
   } catch (const std::exception&) {

@@ -26,8 +26,8 @@ using tinyxml2::XMLElement;
 constexpr int kMostIncludes = 200;
 
 /// What is only seen, or reported: no scene has it, in any version. Sensors are counted.
-const std::set<std::string> kUnused = {"visual", "statistic", "custom", "sensor", "texture",
-                                       "material", "skin", "camera", "light", "extension"};
+const std::set<std::string> kUnused = {"visual",   "statistic", "custom", "sensor", "texture",
+                                       "material", "skin",      "camera", "light",  "extension"};
 
 /// Attributes that are newer than the library and change nothing that a scene has, by the element;
 /// those of `*` in any element.
@@ -52,9 +52,8 @@ const std::map<std::string, std::set<std::string>> kHarmless = {
     {"key", {"ctrl", "act"}},
 };
 /// Actuators drive joints by what a scene's motor has; the rest of them is left out in any case.
-const std::set<std::string> kActuators = {"general", "motor",    "position", "velocity",
-                                          "damper",  "cylinder", "muscle",   "adhesion",
-                                          "intvelocity"};
+const std::set<std::string> kActuators = {"general",  "motor",  "position", "velocity",   "damper",
+                                          "cylinder", "muscle", "adhesion", "intvelocity"};
 const std::set<std::string> kOrientations = {"quat", "axisangle", "xyaxes", "zaxis", "euler"};
 
 XMLElement* next_in(XMLElement* parent, XMLElement* after) {
@@ -129,10 +128,11 @@ class MjcfFilter {
                                     : file_.string();
   }
   [[noreturn]] void refuse(const XMLElement& element, const std::string& what) const {
-    throw InputError(at(element), what, "",
-                     fmt::format("what MuJoCo {} has, or what changes no motion: this is newer, and "
-                                 "the scene would move otherwise",
-                                 mj_versionString()));
+    throw InputError(
+        at(element), what, "",
+        fmt::format("what MuJoCo {} has, or what changes no motion: this is newer, and "
+                    "the scene would move otherwise",
+                    mj_versionString()));
   }
 
   /// Puts the children of included files in the place of their <include>.
@@ -166,7 +166,8 @@ class MjcfFilter {
   void read_compiler(XMLElement& root) {
     for (XMLElement* child : children(root)) {
       if (child->Name() != std::string("compiler")) continue;
-      if (const char* angle = child->Attribute("angle")) in_degrees_ = angle != std::string("radian");
+      if (const char* angle = child->Attribute("angle"))
+        in_degrees_ = angle != std::string("radian");
       if (const char* sequence = child->Attribute("eulerseq")) euler_sequence_ = sequence;
       if (const char* from = child->Attribute("inertiafromgeom"))
         takes_mass_from_geoms_ = from == std::string("true");
@@ -266,7 +267,9 @@ class MjcfFilter {
       Eigen::Matrix3d result = Eigen::Matrix3d::Identity();
       for (std::size_t i = 0; i < 3 && i < euler_sequence_.size(); ++i) {
         const char letter = euler_sequence_[i];
-        const int axis = letter == 'x' || letter == 'X' ? 0 : letter == 'y' || letter == 'Y' ? 1 : 2;
+        const int axis = letter == 'x' || letter == 'X'   ? 0
+                         : letter == 'y' || letter == 'Y' ? 1
+                                                          : 2;
         const Eigen::Matrix3d turn =
             AngleAxisd(angle(turns[int(i)]), Vector3d::Unit(axis)).toRotationMatrix();
         // Small letters turn with the frame, capital ones stay.
@@ -346,7 +349,8 @@ class MjcfFilter {
       const Vector3d along(six[0] - six[3], six[1] - six[4], six[2] - six[5]);
       Isometry3d at = frame;
       at.translation() = (from + to) / 2;
-      at.linear() *= Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), along).toRotationMatrix();
+      at.linear() *=
+          Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), along).toRotationMatrix();
       element.DeleteAttribute("fromto");
       set_pose(element, at);
       const double side = numbers(element, "size", {0})[0];
@@ -385,7 +389,8 @@ class MjcfFilter {
     const double stiffness = numbers(actuator, "kp", {1})[0];
     const double second = damping && numbers(actuator, "kv", {0})[0] != 0
                               ? -numbers(actuator, "kv", {0})[0]
-                              : ratio ? numbers(actuator, "dampratio", {0})[0] : 0;
+                          : ratio ? numbers(actuator, "dampratio", {0})[0]
+                                  : 0;
     for (const char* name : {"kv", "dampratio", "timeconst", "inheritrange"})
       if (actuator.Attribute(name)) actuator.DeleteAttribute(name);
     if (second == 0) return;
@@ -447,8 +452,8 @@ class MjcfFilter {
     return name;
   }
 
-  /// Leaves out geoms that are only seen, and the meshes of them, which are often the larger part of
-  /// the files, or are not there.
+  /// Leaves out geoms that are only seen, and the meshes of them, which are often the larger part
+  /// of the files, or are not there.
   void leave_out_visuals(XMLElement& root) {
     for (XMLElement* child : children(root)) {
       const std::string name = child->Name();
@@ -499,8 +504,8 @@ class MjcfFilter {
       const char* name = child->Attribute("name");
       if (name && named_geoms_.count(name) > 0) continue;
       if (!is_zero(*child, "contype", 1) || !is_zero(*child, "conaffinity", 1)) continue;
-      const bool is_light = value(*child, "mass") ? is_zero(*child, "mass", 0)
-                                                  : is_zero(*child, "density", 1000);
+      const bool is_light =
+          value(*child, "mass") ? is_zero(*child, "mass", 0) : is_zero(*child, "density", 1000);
       if (!has_mass && !is_world && !is_light) continue;
       ++result_.visual_geoms;
       body.DeleteChild(child);
@@ -538,8 +543,9 @@ class MjcfFilter {
                                     in_quotes(way), in_quotes(name)));
         ways.insert(way);
         if (ways.size() > 1)
-          refuse(*mesh, "inertia of meshes, from which masses follow, in two ways: \"exact\" and "
-                        "\"legacy\"");
+          refuse(*mesh,
+                 "inertia of meshes, from which masses follow, in two ways: \"exact\" and "
+                 "\"legacy\"");
       }
     }
     if (ways.count("exact") == 0) return;
@@ -572,9 +578,10 @@ class MjcfFilter {
     const std::string name = child.Name(), inside = kind(parent);
     if (inside == "actuator") {
       const char* own = child.Attribute("name");
-      note("the actuator {} is left out: only motor, position and velocity on a hinge or slide are "
-           "known",
-           in_quotes(own ? own : name));
+      note(
+          "the actuator {} is left out: only motor, position and velocity on a hinge or slide are "
+          "known",
+          in_quotes(own ? own : name));
     } else if (inside == "default" || (name == "deformable" && !child.FirstChildElement("flex"))) {
       leave_out("<" + name + ">");
     } else {
@@ -583,14 +590,14 @@ class MjcfFilter {
     parent.DeleteChild(&child);
   }
 
-  void filter_attributes(XMLElement& element, const std::set<std::string>& known,
-                         bool is_default) {
+  void filter_attributes(XMLElement& element, const std::set<std::string>& known, bool is_default) {
     const std::string name = kind(element), inside = kind(*element.Parent()->ToElement());
     std::vector<std::string> unknown;
     for (const auto* one = element.FirstAttribute(); one; one = one->Next()) {
       const std::string attribute = one->Name();
-      if (attribute == "material" || attribute == "rgba" || (name == "key" && known.count(attribute) &&
-          (attribute == "ctrl" || attribute == "act"))) {
+      if (attribute == "material" || attribute == "rgba" ||
+          (name == "key" && known.count(attribute) &&
+           (attribute == "ctrl" || attribute == "act"))) {
         unknown.push_back(attribute);
         continue;
       }
@@ -615,10 +622,11 @@ class MjcfFilter {
     };
     if (name == "joint" && inside != "equality" &&
         (attribute == "actuatorfrcrange" || attribute == "actuatorfrclimited"))
-      return;  // done by the scene
+      return;                                              // done by the scene
     if (name == "mesh" && attribute == "inertia") return;  // looked at where masses follow
     const bool of_actuator = kActuators.count(name) > 0 && (is_default || inside == "actuator");
-    if (of_actuator && (attribute == "kv" || attribute == "dampratio") && name == "position") return;
+    if (of_actuator && (attribute == "kv" || attribute == "dampratio") && name == "position")
+      return;
     if (is_harmless("*") || is_harmless(name.c_str()) || name == "site" || inside == "tendon" ||
         name == "tendon" || of_actuator) {
       leave_out(name + " " + attribute);

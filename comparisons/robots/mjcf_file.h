@@ -20,8 +20,9 @@ struct MjcfFile {
   /// The density, in kg/m3, of geoms from whose meshes the mass of a body follows, by name.
   std::map<std::string, double> density_of_mesh_geom;
   int visual_geoms = 0;  ///< that were left out: they touch nothing and weigh nothing
-  /// Inertias that the file writes as matrices, by the body's name: xx, yy, zz, xy, xz, yz about the
-  /// centre of mass, in the body's axes. The library keeps eight digits of their principal moments.
+  /// Inertias that the file writes as matrices, by the body's name: xx, yy, zz, xy, xz, yz about
+  /// the centre of mass, in the body's axes. The library keeps eight digits of their principal
+  /// moments.
   std::map<std::string, std::array<double, 6>> full_inertia;
   /// The part of their weight by which bodies are held, by name.
   std::map<std::string, double> gravity_compensation;

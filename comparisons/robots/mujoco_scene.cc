@@ -86,8 +86,8 @@ double legacy_volume_m3(const mjModel& model, int mesh) {
   for (int f = 0; f < model.mesh_facenum[mesh]; ++f) {
     Matrix3d corners;
     for (int k = 0; k < 3; ++k)
-      corners.col(k) = Eigen::Map<const Eigen::Vector3f>(vertices + 3 * faces[3 * f + k])
-                           .cast<double>();
+      corners.col(k) =
+          Eigen::Map<const Eigen::Vector3f>(vertices + 3 * faces[3 * f + k]).cast<double>();
     volume_m3 += std::abs(corners.determinant()) / 6;
   }
   return volume_m3;
@@ -307,8 +307,8 @@ class Importer {
     typed << six[0], six[3], six[4], six[3], six[1], six[5], six[4], six[5], six[2];
     // Otherwise the library has changed it as the file's <compiler> says.
     constexpr double kRounding = 1e-6;
-    const bool is_same = (typed - inertia).cwiseAbs().maxCoeff() <=
-                         kRounding * inertia.cwiseAbs().maxCoeff();
+    const bool is_same =
+        (typed - inertia).cwiseAbs().maxCoeff() <= kRounding * inertia.cwiseAbs().maxCoeff();
     return is_same ? typed : inertia;
   }
 
@@ -368,8 +368,8 @@ class Importer {
       joints_ += fmt::format("{} = {}\n", turns ? "rotor_inertia_kg_mm2" : "rotor_mass_g",
                              (turns ? 1e6 : 1e3) * m_->dof_armature[dof]);
     if (m_->dof_frictionloss[dof] > 0)
-      joints_ += fmt::format("dry_friction_{} = {}\n", turns ? "Nm" : "N",
-                             m_->dof_frictionloss[dof]);
+      joints_ +=
+          fmt::format("dry_friction_{} = {}\n", turns ? "Nm" : "N", m_->dof_frictionloss[dof]);
     joints_ += "\n";
   }
 
@@ -492,8 +492,8 @@ class Importer {
       const double stiffness = std::max(0., -bias[1]) * gear * gear;
       motor.stiffness += stiffness;
       motor.pulls += stiffness * d_->qpos[m_->jnt_qposadr[j]];
-      motor.damping += std::max(0., has_ratio ? damping_of_ratio(j, gear, bias) : -bias[2]) *
-                       gear * gear;
+      motor.damping +=
+          std::max(0., has_ratio ? damping_of_ratio(j, gear, bias) : -bias[2]) * gear * gear;
     }
     motor.most += std::abs(gear) * most_force(a, own);
   }
@@ -506,8 +506,7 @@ class Importer {
       mj_kinematics(m_, d_);
       mj_comPos(m_, d_);
       mj_crb(m_, d_);
-      for (int dof = 0; dof < m_->nv; ++dof)
-        masses_of_dofs_.push_back(d_->qM[m_->dof_Madr[dof]]);
+      for (int dof = 0; dof < m_->nv; ++dof) masses_of_dofs_.push_back(d_->qM[m_->dof_Madr[dof]]);
       place_again();
     }
     const double mass = masses_of_dofs_[std::size_t(m_->jnt_dofadr[j])] / (gear * gear);
@@ -559,9 +558,10 @@ class Importer {
       const Vector3d lift = -found->second * m_->body_mass[b] * gravity;
       result_.text += fmt::format("[[force]]\nbody = {}\ntime_s = [0]\nforce_N = [{}]\n\n",
                                   in_quotes(body_name(b)), list(lift));
-      note("body {} has gravcomp {}: a [[force]] holds that part of its weight in the file's "
-           "gravity",
-           in_quotes(body_name(b)), found->second);
+      note(
+          "body {} has gravcomp {}: a [[force]] holds that part of its weight in the file's "
+          "gravity",
+          in_quotes(body_name(b)), found->second);
     }
   }
 

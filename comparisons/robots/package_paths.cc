@@ -77,8 +77,7 @@ fs::path PackagePaths::find(const std::string& name, const std::string& where) c
     const fs::file_status status = fs::status(place, error);
     if (fs::is_regular_file(status)) return place.lexically_normal();
     if (fs::exists(status) && !fs::is_directory(status))
-      throw InputError(where, "file", in_quotes(name),
-                       "a regular file, not a pipe or a device");
+      throw InputError(where, "file", in_quotes(name), "a regular file, not a pipe or a device");
   }
   if (scheme == "file")
     throw InputError(where, "file", in_quotes(name),

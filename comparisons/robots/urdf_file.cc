@@ -104,15 +104,15 @@ class UrdfCheck {
       int count;
     };
     static const std::vector<Numbers> known = {
-        {"origin", "xyz", 3},     {"origin", "rpy", 3},       {"axis", "xyz", 3},
-        {"mass", "value", 1},     {"inertia", "ixx", 1},      {"inertia", "ixy", 1},
-        {"inertia", "ixz", 1},    {"inertia", "iyy", 1},      {"inertia", "iyz", 1},
-        {"inertia", "izz", 1},    {"box", "size", 3},         {"sphere", "radius", 1},
-        {"cylinder", "radius", 1}, {"cylinder", "length", 1}, {"capsule", "radius", 1},
-        {"capsule", "length", 1}, {"mesh", "scale", 3},
-        {"limit", "lower", 1},    {"limit", "upper", 1},      {"limit", "effort", 1},
-        {"limit", "velocity", 1}, {"dynamics", "damping", 1}, {"dynamics", "friction", 1},
-        {"mimic", "multiplier", 1}, {"mimic", "offset", 1}};
+        {"origin", "xyz", 3},       {"origin", "rpy", 3},        {"axis", "xyz", 3},
+        {"mass", "value", 1},       {"inertia", "ixx", 1},       {"inertia", "ixy", 1},
+        {"inertia", "ixz", 1},      {"inertia", "iyy", 1},       {"inertia", "iyz", 1},
+        {"inertia", "izz", 1},      {"box", "size", 3},          {"sphere", "radius", 1},
+        {"cylinder", "radius", 1},  {"cylinder", "length", 1},   {"capsule", "radius", 1},
+        {"capsule", "length", 1},   {"mesh", "scale", 3},        {"limit", "lower", 1},
+        {"limit", "upper", 1},      {"limit", "effort", 1},      {"limit", "velocity", 1},
+        {"dynamics", "damping", 1}, {"dynamics", "friction", 1}, {"mimic", "multiplier", 1},
+        {"mimic", "offset", 1}};
     constexpr int kDepth = 4;
     for (const XMLElement* child = parent.FirstChildElement(); child;
          child = child->NextSiblingElement()) {
@@ -144,14 +144,13 @@ class UrdfCheck {
       position = end;
     }
     if (is_good && found == count) return;
-    throw InputError(
-        where, fmt::format("<{}> {}, line {}", element.Name(), name, element.GetLineNum()),
-        in_quotes(typed.substr(0, kLongestName)),
-        count == 1 ? "a finite number" : fmt::format("{} finite numbers", count));
+    throw InputError(where,
+                     fmt::format("<{}> {}, line {}", element.Name(), name, element.GetLineNum()),
+                     in_quotes(typed.substr(0, kLongestName)),
+                     count == 1 ? "a finite number" : fmt::format("{} finite numbers", count));
   }
   void check_shape(const XMLElement& shape, const std::string& where) {
-    static const std::vector<std::string> known = {"box", "sphere", "cylinder", "capsule",
-                                                   "mesh"};
+    static const std::vector<std::string> known = {"box", "sphere", "cylinder", "capsule", "mesh"};
     if (std::find(known.begin(), known.end(), shape.Name()) == known.end())
       throw InputError(where, fmt::format("geometry, line {}", shape.GetLineNum()),
                        in_quotes(shape.Name()), "box, sphere, cylinder, capsule or mesh");
@@ -197,8 +196,7 @@ class UrdfCheck {
     const double lower = limit->DoubleAttribute("lower"), upper = limit->DoubleAttribute("upper");
     if (!(lower <= upper))
       throw InputError(where, "limits", fmt::format("{} to {}", lower, upper), "lower <= upper");
-    if (lower == upper)
-      note("joint {} has no limits: the file's leave it no room", name);
+    if (lower == upper) note("joint {} has no limits: the file's leave it no room", name);
   }
 
   void note_joints(const XMLElement& root) {
@@ -206,9 +204,10 @@ class UrdfCheck {
          joint = joint->NextSiblingElement("joint")) {
       const std::string name = in_quotes(attribute(*joint, "name"));
       if (const XMLElement* mimic = joint->FirstChildElement("mimic"))
-        note("joint {} moves by itself, not as joint {}: <mimic> is left out, a [[motor]] of its "
-             "own can move it",
-             name, in_quotes(attribute(*mimic, "joint")));
+        note(
+            "joint {} moves by itself, not as joint {}: <mimic> is left out, a [[motor]] of its "
+            "own can move it",
+            name, in_quotes(attribute(*mimic, "joint")));
     }
   }
 

@@ -68,8 +68,8 @@ struct MassSum {
     const Vector3d arm = at * part.center_m;
     mass_kg += part.mass_kg;
     moment_kg_m += part.mass_kg * arm;
-    about_origin_kg_m2 += at.linear() * part.inertia_kg_m2 * at.linear().transpose() +
-                          part.mass_kg * spread(arm);
+    about_origin_kg_m2 +=
+        at.linear() * part.inertia_kg_m2 * at.linear().transpose() + part.mass_kg * spread(arm);
   }
   MassProperties properties() const {
     const Vector3d center = moment_kg_m / mass_kg;
@@ -103,8 +103,13 @@ class UrdfImporter {
     // From the tips inwards: a link has the mass of those that hang on it.
     for (auto link = order_.rbegin(); link != order_.rend(); ++link) {
       LinkParts& own = links_[*link];
+      const bool is_moved =
+          (*link)->parent_joint && (*link)->parent_joint->type != urdf::Joint::FIXED;
+      // A frame that a joint moves, with nothing on it but its shapes, weighs what they do.
+      if (is_moved && !own.carries_mass && !own.shapes.empty()) own.is_frame = false;
       own.carries_mass |= own.weighs();
-      if (const auto parent = (*link)->getParent()) links_[parent.get()].carries_mass |= own.carries_mass;
+      if (const auto parent = (*link)->getParent())
+        links_[parent.get()].carries_mass |= own.carries_mass;
     }
     result_.text = fmt::format(
         "# From {} by softfinger simulate.\n"
@@ -181,9 +186,13 @@ class UrdfImporter {
 
   /// Parents before children, without recursion: a chain may be long.
   void order_links() {
-    order_.push_back(model_->getRoot().get());
-    for (std::size_t i = 0; i < order_.size(); ++i)
-      for (const auto& child : order_[i]->child_links) order_.push_back(child.get());
+    std::vector<const urdf::Link*> open = {model_->getRoot().get()};
+    while (!open.empty()) {
+      order_.push_back(open.back());
+      open.pop_back();
+      const auto& own = order_.back()->child_links;
+      for (auto child = own.rbegin(); child != own.rend(); ++child) open.push_back(child->get());
+    }
     if (order_.size() < model_->links_.size())
       for (const auto& [name, link] : model_->links_)
         if (std::find(order_.begin(), order_.end(), link.get()) == order_.end())
@@ -238,11 +247,11 @@ class UrdfImporter {
     } else if (const auto* cylinder = dynamic_cast<const urdf::Cylinder*>(&geometry)) {
       is_empty = !(cylinder->radius > 0) || !(cylinder->length > 0);
       const double r = cylinder->radius, length = cylinder->length;
-      shape.text = fmt::format("{}_radius_length_mm = [{}, {}]",
-                               is_capsule ? "capsule" : "cylinder", r / kMillimetre,
-                               length / kMillimetre);
-      shape.unit_mass = is_capsule ? unit_mass_of_capsule(r, length)
-                                   : unit_mass_of_cylinder(r, length);
+      shape.text =
+          fmt::format("{}_radius_length_mm = [{}, {}]", is_capsule ? "capsule" : "cylinder",
+                      r / kMillimetre, length / kMillimetre);
+      shape.unit_mass =
+          is_capsule ? unit_mass_of_capsule(r, length) : unit_mass_of_cylinder(r, length);
       shape.volume_m3 = kPi * r * r * (length + (is_capsule ? 4 * r / 3 : 0));
     } else if (const auto* mesh = dynamic_cast<const urdf::Mesh*>(&geometry)) {
       add_mesh(link, *mesh, shape);
@@ -255,9 +264,9 @@ class UrdfImporter {
 
   void add_mesh(const urdf::Link& link, const urdf::Mesh& mesh, PlacedShape& shape) {
     const auto line = urdf_.line_of_mesh.find(mesh.filename);
-    const std::string where =
-        line == urdf_.line_of_mesh.end() ? at_link(link.name)
-                                         : fmt::format("{}:{}", file_.string(), line->second);
+    const std::string where = line == urdf_.line_of_mesh.end()
+                                  ? at_link(link.name)
+                                  : fmt::format("{}:{}", file_.string(), line->second);
     const MeshFolder::Written& written =
         meshes_.add(paths_.find(mesh.filename, where), vector(mesh.scale));
     shape.text = fmt::format("mesh = {}, unit = \"m\"", in_quotes(written.name));
@@ -335,9 +344,10 @@ class UrdfImporter {
     const double still = std::max(0., moments[2] - moments[0] - moments[1]);
     moments[0] += still / 2 * (1 + kDigits);
     moments[1] += still / 2 * (1 + kDigits);
-    note("the inertia of link {} is impossible, its largest moment exceeds the sum of the others: "
-         "these are raised",
-         in_quotes(link.name));
+    note(
+        "the inertia of link {} is impossible, its largest moment exceeds the sum of the others: "
+        "these are raised",
+        in_quotes(link.name));
     return principal.eigenvectors() * moments.asDiagonal() * principal.eigenvectors().transpose();
   }
 
@@ -441,9 +451,11 @@ class UrdfImporter {
                            in_quotes(name), turns ? "revolute" : "prismatic",
                            in_quotes(parent_name(carrier)), in_quotes(bodies_[own.body].name));
     if (turns) joints_ += fmt::format("anchor_mm = {}\n", list(anchor / kMillimetre));
-    joints_ += fmt::format("axis = {}\nstart_{} = {}\n{}", list(axis), suffix, start / unit, limits);
+    joints_ +=
+        fmt::format("axis = {}\nstart_{} = {}\n{}", list(axis), suffix, start / unit, limits);
     if (joint.dynamics && joint.dynamics->friction > 0)
-      joints_ += fmt::format("dry_friction_{} = {}\n", turns ? "Nm" : "N", joint.dynamics->friction);
+      joints_ +=
+          fmt::format("dry_friction_{} = {}\n", turns ? "Nm" : "N", joint.dynamics->friction);
     joints_ += "\n";
     add_motor(joint, name, turns);
   }
@@ -518,8 +530,8 @@ class UrdfImporter {
     }
     const std::string layer = layer_line(layers_, body.name);
     if (body.is_fixed && shapes.empty() && layer.empty()) return;
-    result_.text += fmt::format("[[body]]\nname = {}\n{}", in_quotes(body.name),
-                                placed_lines(body.in_world));
+    result_.text +=
+        fmt::format("[[body]]\nname = {}\n{}", in_quotes(body.name), placed_lines(body.in_world));
     if (body.is_fixed) {
       result_.text += "fixed = true\n";
     } else if (sum.mass_kg > 0) {
@@ -556,19 +568,19 @@ class UrdfImporter {
     std::sort(frictions.rbegin(), frictions.rend());
     result_.text += "[[contact]]\nbodies = [\"*\", \"*\"]\nfriction_coefficient = 1\n\n";
     for (const auto& [friction, name] : frictions)
-      result_.text += fmt::format(
-          "[[contact]]\nbodies = [{}, \"*\"]\nfriction_coefficient = {}\n\n", in_quotes(name),
-          friction);
+      result_.text +=
+          fmt::format("[[contact]]\nbodies = [{}, \"*\"]\nfriction_coefficient = {}\n\n",
+                      in_quotes(name), friction);
     for (const std::size_t b : with_shapes_) {
       // The next body inwards that has shapes: those between are the axes of one joint.
       int carrier = bodies_[b].carrier;
-      while (carrier >= 0 && !std::binary_search(with_shapes_.begin(), with_shapes_.end(),
-                                                 std::size_t(carrier)))
+      while (carrier >= 0 &&
+             !std::binary_search(with_shapes_.begin(), with_shapes_.end(), std::size_t(carrier)))
         carrier = bodies_[std::size_t(carrier)].carrier;
       if (carrier < 0) continue;
-      result_.text += fmt::format("[[contact]]\nbodies = [{}, {}]\ncollide = false\n\n",
-                                  in_quotes(bodies_[std::size_t(carrier)].name),
-                                  in_quotes(bodies_[b].name));
+      result_.text +=
+          fmt::format("[[contact]]\nbodies = [{}, {}]\ncollide = false\n\n",
+                      in_quotes(bodies_[std::size_t(carrier)].name), in_quotes(bodies_[b].name));
     }
   }
 

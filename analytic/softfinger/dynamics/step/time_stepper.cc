@@ -231,8 +231,8 @@ void TimeStepper::add_dry_friction() {
     // is neither far above nor far below that of the joint.
     constexpr double kLeastPart = 1e-3;
     const double stopped = response * most;
-    const double speed = std::clamp(std::abs(problem_.free_velocity[4 * row + 1]),
-                                    kLeastPart * stopped, stopped);
+    const double speed =
+        std::clamp(std::abs(problem_.free_velocity[4 * row + 1]), kLeastPart * stopped, stopped);
     diagonal[0] = speed / most;
     diagonal.tail<2>().setConstant(response);
     problem_.free_velocity[4 * row] = -speed;
