@@ -57,7 +57,6 @@ int run(int argc, char** argv) {
   commands::add_sweep(app, action, command_line);
   commands::add_atlas(app, action, command_line);
   commands::add_select(app, action, command_line);
-  commands::add_extremes(app, action, command_line);
   commands::add_experiments(app, action, command_line);
   commands::add_calibrate(app, action, command_line);
   commands::add_area(app, action);

@@ -103,7 +103,7 @@ std::vector<double> transform(const std::vector<double>& values, int outer, int 
   return result;
 }
 
-/// One line of the table, from thick to thin layers: each node starts from its predecessors.
+/// Fills one line of the table, from thick to thin layers: each node starts from its predecessors.
 void fill_line(int line, std::vector<double>& values) {
   const double coordinate = knot(line / kElongationKnots, kCompressibilityKnots, 0, 1);
   const double log_ratio =

@@ -7,7 +7,8 @@
 
 #include "softfinger/input/contact_problem.h"
 
-/// The same five problems in several engines. An engine is one file engines/NAME.cc; see README.md.
+/// Runs the same five problems in several engines. An engine is one file engines/NAME.cc; see
+/// README.md.
 namespace softfinger::benchmark {
 
 struct Body {
@@ -37,8 +38,8 @@ struct Scene {
   Eigen::Vector3d gravity_m_per_s2 = Eigen::Vector3d::Zero();
   double time_step_s = 1e-3, duration_s = 1;
   std::vector<double> sample_times_s;  ///< within the duration, ascending
-  /// Of a fingertip's contact: layer, radii and friction; its load is the nominal one, for which
-  /// engines that keep e_n constant are told it.
+  /// Contact of a fingertip: layer, radii and friction. Its load is the nominal one, at which
+  /// engines with a constant e_n evaluate it.
   ContactProblem contact;
   double rigid_friction_coefficient = 0.5;  ///< of all other contacts
 
@@ -70,7 +71,7 @@ struct Engine {
   Motion (*run)(const Scene& scene) = nullptr;
 };
 
-/// Of an engine whose library was not there when this program was built.
+/// Engine whose library was missing when this program was built.
 struct AbsentEngine {
   std::string name, package;
 };

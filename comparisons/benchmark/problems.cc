@@ -88,7 +88,7 @@ struct Acceleration {
   double linear_m_per_s2 = INFINITY, angular_rad_per_s2 = INFINITY;
 };
 
-/// Of a body at the end; infinite where the engine did not come so far.
+/// Acceleration of a body at the end; infinite where the engine stopped before.
 Acceleration acceleration(const Motion& motion, std::size_t body) {
   if (motion.samples.size() < 2 * kAveraged) return {};
   Vector3d velocity[2], turning[2];
@@ -105,7 +105,7 @@ Acceleration acceleration(const Motion& motion, std::size_t body) {
           (turning[1].norm() - turning[0].norm()) / kWatched_s};
 }
 
-/// Of the acceleration without friction: below it, a contact holds.
+/// Share of the frictionless acceleration below which a contact counts as holding.
 constexpr double kSlip = 2e-4;
 
 Score twist(const Engine& engine) {
@@ -127,7 +127,7 @@ Score twist(const Engine& engine) {
              kSlip * free_rad_per_s2;
     });
     score.measured.push_back({fmt::format("slip torque at {:.3g} N", load_N), "mN·m",
-                              // Where none is held the search ends at its own width.
+                              // A search that finds no torque held ends within its own width of 0.
                               torque_Nm < 1e-3 * truth_Nm ? 0 : 1e3 * torque_Nm, 1e3 * truth_Nm});
   }
   return score;

@@ -22,7 +22,8 @@ struct Score {
   double wall_s = 0;
   std::string failure;  ///< in words; empty: all was measured
 
-  /// Of the largest magnitude; its unit is relative, or that of the values where the truth is 0.
+  /// Measurement with the error of largest magnitude: relative, or in the unit of the values where
+  /// the truth is 0.
   const Measured* worst() const;
   double steps_per_s() const { return wall_s > 0 ? steps / wall_s : 0; }
 };
@@ -34,7 +35,7 @@ struct Problem {
   Score (*solve)(const Engine& engine);
 };
 
-/// How far the torque of fingertip_layer, the truth of pinch and twist, is at most from finite
+/// Largest possible distance of fingertip_layer's torque, the truth of pinch and twist, from finite
 /// elements of the whole finger.
 struct TruthBound {
   double load_N = 0;

@@ -54,7 +54,7 @@ Html problem_section(const Results& results, std::size_t problem_index) {
   const Problem& problem = *results.problems[problem_index];
   Html rows;
   for (std::size_t i = 0; i < results.engines.size(); ++i)
-    // How far something fell is no error.
+    // Runs that failed, for example because a body fell, have no errors to show.
     for (const Measured& measured : results.scores[i][problem_index].failure.empty()
                                         ? results.scores[i][problem_index].measured
                                         : std::vector<Measured>())

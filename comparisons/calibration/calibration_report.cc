@@ -190,7 +190,8 @@ std::string geometry_sentence(const CaseCalibration& calibration) {
                                         "nothing");
 }
 
-/// Where the limit of LeastSquares takes part in the numbers.
+/// Warns where the compression comes near the limit of LeastSquares, which then affects the
+/// numbers; else empty.
 std::string compression_sentence(const CaseCalibration& calibration) {
   const CalibrationProblem& problem = calibration.problem;
   if (!contains(problem.free, Parameter::thickness)) return {};
@@ -330,7 +331,7 @@ std::string model_table(const std::vector<Comparison>& comparisons, bool laws) {
   return out;
 }
 
-/// What all of it means, one sentence each.
+/// Meaning of the calibration, one sentence for each aspect.
 std::vector<std::string> sentences(const CaseCalibration& calibration) {
   std::vector<std::string> result = {goodness_sentence(calibration)};
   for (const std::size_t outlier : calibration.found.outliers)

@@ -11,10 +11,10 @@ namespace softfinger::calibration {
 /// A table of the parameters in mm and kPa, and sentences.
 std::string describe(const CaseCalibration& calibration);
 
-/// What `--json` prints, SI; described in comparisons/report/README.md.
+/// Object that `--json` prints, in SI units; described in comparisons/report/README.md.
 nlohmann::json to_json(const CaseCalibration& calibration);
 
-/// The same with what the page draws besides.
+/// The object of `to_json`, with the curves, ellipses and sentences of the page besides.
 nlohmann::json page_data(const CaseCalibration& calibration, const std::string& data_text);
 
 }  // namespace softfinger::calibration

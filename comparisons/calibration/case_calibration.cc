@@ -29,9 +29,8 @@ bool is_of_friction(Parameter parameter) {
 std::vector<Parameter> default_parameters(const Request& request, const input::Case& contact_case,
                                           bool measures_friction) {
   std::vector<Parameter> free = {Parameter::youngs_modulus};
-  // Hertz knows no layer, and Winkler E and h only as E/h.
-  const std::string_view model = request.model->card().name;
-  if (model != "hertz" && model != "winkler") free.push_back(Parameter::thickness);
+  if (request.model->card().layer_constants == LayerConstants::all)
+    free.push_back(Parameter::thickness);
   if (measures_friction) {
     if (contact_case.shear_law.has_friction_coefficient())
       free.push_back(Parameter::friction_coefficient);
@@ -117,7 +116,8 @@ void put_into(input::Case& contact_case, const ParameterValues& values) {
   if (law.has_shear_strength()) law.shear_strength_Pa = value(Parameter::shear_strength);
 }
 
-/// How far the parameters moved, at most, as a part of what is known of each.
+/// Largest change of a parameter between two fits, relative to what is known of it: the smaller of
+/// its interval's width and its magnitude.
 double largest_move(const Calibration& before, const Calibration& now) {
   double largest = 0;
   for (std::size_t i = 0; i < now.parameters.size(); ++i) {
@@ -233,7 +233,8 @@ std::vector<FittedCurve> fitted_curves(const CaseCalibration& calibration) {
   const ParameterValues& values = calibration.found.values;
   PredictedMeasurements{*problem.model, asked, problem.shear_law}.evaluate(values, logs,
                                                                            &all_slopes);
-  // What the data know, also where they do not tell some combination of the parameters at all.
+  // The data's information in each direction, which is zero for combinations that they do not
+  // determine.
   const PredictedMeasurements measured{*problem.model, problem.measurements, problem.shear_law};
   const Eigen::MatrixXd jacobian = LeastSquares(measured, calibration.found.weights,
                                                 contains(problem.free, Parameter::thickness))

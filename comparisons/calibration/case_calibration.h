@@ -9,7 +9,7 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "softfinger/calibration/advice.h"
 
-/// What `softfinger calibrate` does: a case's layer and friction from measurements.
+/// Work of `softfinger calibrate`: a case's layer and friction from measurements.
 namespace softfinger::calibration {
 
 struct Request {
@@ -24,8 +24,8 @@ struct CaseCalibration {
   std::vector<std::pair<Parameter, double>> fixed;  ///< as requested
   CalibrationProblem problem;
   Calibration found;
-  /// Of meshes, whose local geometry depends on the contact's size: how often fit and geometry were
-  /// repeated until they agreed, and whether they did. Else 1 and true.
+  /// For meshes, whose local geometry depends on the contact's size: how often fit and geometry
+  /// were repeated until they agreed, and whether they did. Else 1 and true.
   int geometry_rounds = 1;
   bool is_geometry_settled = true;
   std::vector<std::string> remarks;  ///< about the meshes
@@ -51,13 +51,13 @@ struct FittedCurve {
   MeasuredQuantity quantity;
   std::vector<double> loads_N, value, low, high;  ///< SI; not a number: no answer, or not known
 };
-/// Of every measured quantity. From somewhat below the least load to somewhat above the largest,
-/// between them where the geometry was fitted to meshes.
+/// Curves of every measured quantity, from somewhat below the least load to somewhat above the
+/// largest; no farther than these where the geometry was fitted to meshes.
 std::vector<FittedCurve> fitted_curves(const CaseCalibration& calibration);
 
-/// Where two parameters lie together with a probability of 95 %, by their covariance: points around
-/// an ellipse in their coordinates (the logarithm of all but nu), as values. What lies beyond a
-/// parameter's range is cut off.
+/// Region that holds two parameters together with a probability of 95 %, by their covariance. The
+/// points lie around an ellipse in the coordinates of the fit (the logarithm of all but nu) and are
+/// given as values, clipped to each parameter's range.
 struct ConfidenceEllipse {
   Parameter x, y;
   std::vector<std::pair<double, double>> points;

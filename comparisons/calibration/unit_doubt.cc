@@ -16,7 +16,7 @@ namespace {
 constexpr double kSoftest_Pa = 1e4, kHardest_Pa = 3e7;
 constexpr double kLeastFriction = 0.1, kMostFriction = 5;
 
-/// What the numbers of a column have to be multiplied by, if they were meant otherwise.
+/// Factors that correct a column's numbers if they were meant in another unit.
 struct Misreading {
   const char* meant;
   double load = 1, width = 1, indentation = 1, torque = 1;
@@ -66,7 +66,7 @@ std::string modulus_in_words(double modulus_Pa) {
                           : fmt::format("{:.3g} MPa", 1e-6 * modulus_Pa);
 }
 
-/// What was found of E and mu: in words, and whether a soft fingertip has it.
+/// Values found for E and mu, in words: all of them, and those that no soft fingertip has.
 struct Found {
   std::vector<std::string> all, strange;
   explicit Found(const Calibration& calibration) {

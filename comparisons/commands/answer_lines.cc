@@ -73,7 +73,7 @@ std::string answer_line(double load_N, const ModelAnswer* answer, prediction::To
   const std::string force = answer->shear_law.kind == ShearLaw::Kind::coulomb
                                 ? ""
                                 : fmt::format("; largest force {:.3g} N", limit.max_force_N);
-  // What nobody vouches for is not printed to be pasted.
+  // MuJoCo's line is printed only for a usable answer, because users paste it.
   const std::string lines =
       usable ? "; MuJoCo " + exporting::mujoco_friction(rounded(limit.max_force_N / load_N),
                                                         rounded(limit.max_torque_Nm() / load_N))

@@ -8,7 +8,7 @@
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/quantity.h"
 
-/// What commands print of predictions: the answer first.
+/// Text that commands print about predictions: the answer first.
 namespace softfinger::commands {
 
 /// "2 N: torque 4.49 mN·m ± 1.4 %, by fingertip_layer; contact 5.1 x 3.7 mm; e_n 1.87 mm; MuJoCo

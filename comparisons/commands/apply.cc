@@ -64,7 +64,7 @@ ContactProblem plugin_problem(const ApplyOptions& options, const input::Case& co
       contact_case, prediction::GeometryResolver(contact_case).resolve(load_N), load_N);
 }
 
-/// Where the file goes.
+/// Path of the file to write.
 /// @throws InputError
 fs::path output_of(const ApplyOptions& options) {
   const bool is_input = options.model == "-";
@@ -194,7 +194,7 @@ int run_apply(const ApplyOptions& options) {
   const std::vector<std::string> notes = apply_contact(file, options.fingers, simulator, wanted);
 
   const std::string text = file.text();
-  // What was written has to be a model that can be read again, with nothing left to change.
+  // The written file must read back as a model in which nothing is left to change.
   XmlFile again(text, output.string());
   apply_contact(again, options.fingers, simulator, wanted);
   if (!again.changes().empty())

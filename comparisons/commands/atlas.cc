@@ -75,7 +75,7 @@ std::string bounds_table(const nlohmann::json& rows) {
   return text;
 }
 
-/// The same for the bounds against whole fingers.
+/// Test of the bounds against whole fingers, a row for each model and quantity.
 nlohmann::json test_finger_bounds(const judgement::AtlasFile& unseen) {
   nlohmann::json rows = nlohmann::json::array();
   for (const auto& [model, test] : judgement::test_bounds_on_fingers(unseen))

@@ -24,7 +24,7 @@ struct CalibrateOptions {
   std::vector<std::string> settings;
 };
 
-/// What `--fit` may look for. A power law has parameters of its own.
+/// Parameters that `--fit` may name. A power law has parameters of its own.
 constexpr std::array<Parameter, 6> kFitted{
     Parameter::youngs_modulus,       Parameter::thickness,
     Parameter::poisson_ratio,        Parameter::radius,
@@ -119,9 +119,9 @@ std::pair<Parameter, double> fixed_value(const std::string& typed) {
 
 const PressureModel* chosen_model(const std::string& name) {
   std::vector<std::string> names;
-  // Those with derivatives.
-  for (const char* known : {"fingertip_layer", "bonded_layer", "winkler", "hertz"})
-    if (find_pressure_model(known)) names.emplace_back(known);
+  for (const PressureModel* model : all_pressure_models())
+    if (model->card().is_calibrated && !model->card().is_empirical)
+      names.emplace_back(model->card().name);
   for (const std::string& known : names)
     if (known == name) return find_pressure_model(name);
   throw InputError("command line", "--model", "\"" + text::shortened(name) + "\"",

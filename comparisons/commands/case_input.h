@@ -6,7 +6,7 @@
 
 #include "comparisons/input/case.h"
 
-/// How commands take their files: a path, a built-in name or "-", with values replaced.
+/// Input files of commands: a path, a built-in name or "-", with values replaced.
 namespace softfinger::commands {
 
 /// A case from a file, or from numbers on the command line, which also replace those of a file.

@@ -9,7 +9,7 @@
 /// One file per command: its flags, its help with samples that a test runs, and what it does.
 namespace softfinger::commands {
 
-/// What the typed command does; returns the exit status.
+/// Work of the typed command; returns the exit status.
 using Action = std::function<int()>;
 
 void add_predict(CLI::App& app, Action& action, const std::string& command_line);
@@ -18,7 +18,6 @@ void add_fem(CLI::App& app, Action& action);
 void add_compare(CLI::App& app, Action& action, const std::string& command_line);
 void add_atlas(CLI::App& app, Action& action, const std::string& command_line);
 void add_select(CLI::App& app, Action& action, const std::string& command_line);
-void add_extremes(CLI::App& app, Action& action, const std::string& command_line);
 void add_experiments(CLI::App& app, Action& action, const std::string& command_line);
 void add_export(CLI::App& app, Action& action);
 void add_explore(CLI::App& app, Action& action, const std::string& command_line);

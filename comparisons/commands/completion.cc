@@ -21,7 +21,7 @@ std::string words_of(const std::vector<DescribedOption>& options) {
   return text::joined(names, " ");
 }
 
-/// Of the program's own options those that every command takes.
+/// Options of a command, with the program's own ones that every command takes.
 std::vector<DescribedOption> options_of(const std::vector<DescribedCommand>& commands,
                                         const DescribedCommand& command) {
   std::vector<DescribedOption> options = command.options;
@@ -38,7 +38,7 @@ std::string names_of_commands(const std::vector<DescribedCommand>& commands) {
   return text::joined(names, " ");
 }
 
-/// What bash runs for the words of a value.
+/// Bash code that completes the value of an option.
 std::string bash_words(const DescribedOption& option, const std::string& commands) {
   if (!option.choices.empty())
     return fmt::format("COMPREPLY=($(compgen -W '{}' -- \"$current\"))",

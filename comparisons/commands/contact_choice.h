@@ -9,7 +9,7 @@
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/input/case.h"
 
-/// What `export` and `apply` are told of the contact: a case, a model, loads.
+/// Options with which `export` and `apply` choose the contact: a case, a model, loads.
 namespace softfinger::commands {
 
 struct ContactChoice {

@@ -7,7 +7,7 @@
 
 namespace softfinger::commands {
 
-/// What commands are told of an answer that is good enough: --tolerance and --quantities.
+/// Options that say which answer is good enough: --tolerance and --quantities.
 struct DemandInput {
   double tolerance = 0.1;
   std::string quantities;  ///< as typed; empty: the usual ones

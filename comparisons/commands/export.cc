@@ -29,7 +29,7 @@ struct ExportOptions {
   bool json = false;
 };
 
-/// What was asked for, and the result.
+/// An exported contact with the request behind it.
 struct Export {
   const Simulator& simulator;
   const ContactCurve& curve;
@@ -174,7 +174,7 @@ std::string to_text(const Export& made) {
   return text;
 }
 
-/// What the answer rests on.
+/// Text on which the answer rests: the case, and the evidence for its error.
 std::string evidence_text(const input::Case& contact_case, const ContactCurve& curve) {
   return fmt::format("{}\nThe error: {}\n", prediction::describe(contact_case),
                      curve.nominal.assessment.evidence);

@@ -92,7 +92,7 @@ void check(const FemOptions& options, const Plan& plan) {
     throw InputError("--export-compliance", "file", options.compliance, "a regular file");
 }
 
-/// What `compare` solves, less what is not asked for.
+/// Idealisations asked for, and always both where a compliance is exported.
 /// @param typed  by the user
 reference::Idealisations idealisations_of(const FemOptions& options, const input::Case& typed) {
   if (options.compliance.empty()) return options.idealisations;
@@ -153,7 +153,7 @@ reference::FemProblem problem_of(const FemOptions& options, const Plan& plan, st
   return problem;
 }
 
-/// What the program answered until it ended, failed or was interrupted.
+/// Answers of the program until it ended, failed or was interrupted.
 struct SolvedLoads {
   std::vector<std::optional<reference::ReferenceResult>> of_load;
   int interrupted = 0;    ///< by this signal

@@ -10,7 +10,7 @@
 #include "comparisons/reference/reference_result.h"
 #include "softfinger/pressure/pressure_model.h"
 
-/// What `softfinger fem` says of the loads that it has solved.
+/// Text of `softfinger fem` about the loads that it has solved.
 namespace softfinger::commands {
 
 struct FemAnswerText {

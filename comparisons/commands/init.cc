@@ -95,7 +95,7 @@ int run_init(const InitOptions& options) {
   const bool to_stdout = options.file == "-";
   const std::string text = case_text(options);
   const fs::path file = options.file;
-  // What is written can be read, and a mesh is there and has a surface to press on.
+  // The new case must read back, and its mesh must exist and have a surface to press on.
   const input::Case written = input::parse_case(text, file);
   const prediction::GeometryResolver resolver(written);
   for (const std::string& line : resolver.remarks()) remark(line);

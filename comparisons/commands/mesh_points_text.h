@@ -6,8 +6,8 @@
 #include "comparisons/report/mesh_page.h"
 #include "meshes/io/read_surface.h"
 
-/// What the commands `mesh`, `fit` and `predict` share: vectors from the command line, points of a
-/// surface and the lines of a case for them.
+/// Helpers that the commands `mesh`, `fit` and `predict` share: vectors from the command line,
+/// points of a surface and the lines of a case for them.
 namespace softfinger::commands {
 
 /// "X,Y,Z". @throws InputError(flag)

@@ -50,8 +50,10 @@ std::vector<const PressureModel*> chosen_models(const PredictOptions& options,
   auto models = prediction::models_by_name(options.models);
   // Without a measured law the model that needs one has nothing to say.
   if (options.models == "all" && !(contact_case.options.power_law.radius_coefficient > 0))
-    models.erase(std::remove(models.begin(), models.end(), find_pressure_model("power_law")),
-                 models.end());
+    models.erase(
+        std::remove_if(models.begin(), models.end(),
+                       [](const PressureModel* model) { return model->card().is_empirical; }),
+        models.end());
   const PressureModel* sampler = find_pressure_model("layer_fft");
   if (options.gap == "sampled" &&
       std::find(models.begin(), models.end(), sampler) == models.end()) {
@@ -109,7 +111,8 @@ void write_page(const PredictOptions& options, const input::Case& contact_case,
                   points, options.command_line);
 }
 
-/// What the contact bears about its tangents, beside the limit surface: the other two moments.
+/// Line with the moments about the contact's two tangents, which the limit surface does not cover:
+/// rolling stiffness and tilt limit.
 std::string tilting_text(const nlohmann::json& result) {
   const auto& limit = result["tilt_limit_Nm"];
   const auto& rolling = result["rolling_stiffness_Nm_per_rad"];
@@ -125,7 +128,7 @@ std::string tilting_text(const nlohmann::json& result) {
       rolls(0), 1e3 * limit[0].get<double>(), rolls(1), 1e3 * limit[1].get<double>());
 }
 
-/// What follows the first line of a load.
+/// Lines below the first line of a load.
 std::string block_of(const std::vector<prediction::ModelAnswer>& answers,
                      const prediction::ModelAnswer* first, prediction::TorqueRule rule,
                      const prediction::Demand& demand) {

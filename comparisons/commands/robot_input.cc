@@ -60,7 +60,7 @@ std::vector<std::string> layer_words(const std::string& typed) {
   return words;
 }
 
-/// What the program has made: the scene and the meshes that belong beside it.
+/// Writes what the program has made: the scene, and its meshes beside it.
 /// @param made  folder with the meshes
 /// @throws InputError where a mesh would replace a file that is not of this command's making
 void write_scene(const fs::path& scene_file, const std::string& scene, const fs::path& made) {

@@ -65,7 +65,7 @@ struct PrincipalRadii {
 };
 
 PrincipalRadii principal_radii(const SurfaceCurvature& curvature, const RelativeRadii& gap) {
-  // What is less of the gap's curvature is round-off.
+  // Curvatures below this share of the gap's largest one are round-off.
   constexpr double kFlat = 1e-6;
   const double mean_per_m = (curvature.xx_per_m + curvature.yy_per_m) / 2;
   const double half_per_m = (curvature.xx_per_m - curvature.yy_per_m) / 2;
@@ -137,8 +137,8 @@ std::vector<Shapes> possible_shapes(const judgement::FingerContact& contact) {
   return shapes;
 }
 
-/// What the shape of an object that is not round can change, where finite elements press its
-/// paraboloid: as much as it changes for the model that knows spheres.
+/// Relative error of e_n that the shape of a non-round object can cause where finite elements press
+/// its paraboloid: estimated as the change in the model that knows spheres.
 double error_of_object_shape(ContactProblem problem) {
   const PressureModel& model = *find_pressure_model("fingertip_layer");
   problem.is_object_spherical = false;
@@ -243,7 +243,7 @@ int run_scene(const std::filesystem::path& file, const SelectOptions& options) {
   return 0;
 }
 
-/// What to do where no model meets the demand.
+/// Advice for a case in which no model meets the demand.
 std::string advice(const input::Case& contact_case, const prediction::GeometryResolver& resolver,
                    const prediction::LocalGeometry& geometry, double load_N,
                    const prediction::Demand& demand) {

@@ -23,7 +23,7 @@ struct Interval {
   double value = 0, low = 0, high = 0;
 };
 
-/// What a finding says of the data set.
+/// Weight of a finding in the verdict on the data set.
 enum class Role {
   theory,  ///< what the project takes unless told otherwise: it decides the data set's verdict
   option,  ///< what the project offers beside it
@@ -49,7 +49,8 @@ struct Finding {
 struct Inferred {
   std::string name, unit, condition;
   Interval value;
-  /// Where the publication can be read in several ways: in which one. Else empty.
+  /// Interpretation of the publication on which the number rests, where there are several; else
+  /// empty.
   std::string reading = "";
 };
 

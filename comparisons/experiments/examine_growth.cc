@@ -35,7 +35,7 @@ class Sizes {
     return place->second;
   }
 
-  /// The same with the exponent moved by its uncertainty; 0 or infinite at an end that no layer
+  /// Range of a/h with the exponent moved by its uncertainty; 0 or infinite at an end that no layer
   /// has.
   std::optional<Interval> interval(double exponent, double uncertainty, double poisson_ratio) {
     const auto s = of(exponent, poisson_ratio);
@@ -308,7 +308,8 @@ void match_at_one_load(const Growth& growth, Reading reading, Sizes& sizes, Exam
   }
 }
 
-/// What the assumed pressure costs: the published torque, if the radius is right.
+/// Tests the cost of the assumed pressure: the published torque arm against the layer's at the
+/// published radius.
 void test_assumed_pressure(const Growth& growth, Sizes& sizes, Examined& examined) {
   const LawCalibration& data = *growth.calibration;
   const GrowthLaw& law = growth.laws.front();
@@ -346,7 +347,7 @@ void match_by_eccentricity(const Growth& growth, Examined& examined) {
   const auto matched = [&](double exponent) -> std::optional<MatchedLayer> {
     const auto s = layer_size_of_exponent(exponent, nu, Growing::torque_arm);
     if (!s) return std::nullopt;
-    // Of any radius: the ratio of arm and radius is the size's alone.
+    // Any radius would do here, as the ratio of arm and radius depends on a/h alone.
     const double ratio = match_layer(*s, 1, load_N, data.radius_m, nu).torque_arm_over_a;
     return match_layer(*s, arm_m / ratio, load_N, data.radius_m, nu);
   };

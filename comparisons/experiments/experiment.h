@@ -16,7 +16,7 @@ struct GrowthLaw {
   double exponent = 0;       ///< gamma
 };
 
-/// What a calibration on a part of the loads needs to know beside the law.
+/// Data that a calibration on a part of the loads needs beside the law.
 struct LawCalibration {
   double radius_m = 0;                       ///< of the finger, a sphere on a plane
   std::array<double, 2> fit_load_N{};        ///< points of the law that are fitted
@@ -50,7 +50,7 @@ struct Hardness {
   double youngs_modulus_Pa = 0, poisson_ratio = 0;
 };
 
-/// The same quantity by the two fingers of one gripper.
+/// One quantity measured by both fingers of a gripper.
 struct Repeated {
   struct Pair {
     std::string object;

@@ -151,7 +151,7 @@ const std::vector<const PressureModel*>& models() {
   static const std::vector<const PressureModel*> fast = [] {
     std::vector<const PressureModel*> found;
     for (const PressureModel* model : all_pressure_models())
-      if (model->card().hot_path && model->card().name != "power_law") found.push_back(model);
+      if (model->card().hot_path && !model->card().is_empirical) found.push_back(model);
     return found;
   }();
   return fast;

@@ -5,9 +5,9 @@
 
 #include "softfinger/pressure/pressure_model.h"
 
-/// What the page of `softfinger explore` shows of a contact. The page runs this code, compiled to
-/// WebAssembly (web/): models, error bounds, limit surface and simulators are those of the program.
-/// It therefore needs neither files nor exceptions.
+/// Content of the page of `softfinger explore` for one contact. The page runs this code, compiled
+/// to WebAssembly (web/): models, error bounds, limit surface and simulators are those of the
+/// program. It therefore needs neither files nor exceptions.
 namespace softfinger::explorer {
 
 /// One position of the page's sliders.

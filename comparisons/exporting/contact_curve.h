@@ -48,8 +48,8 @@ struct LoadPoint {
 
   double max_force_N() const { return friction_coefficient * load_N; }
   double max_torque_Nm() const { return max_force_N() * eccentricity_m; }
-  /// Of the torque, relative, what the fit of a mesh leaves open included; NaN where it is not
-  /// known.
+  /// Bound of the torque's relative error, including what the fit of a mesh leaves open; NaN where
+  /// it is not known.
   double error_bound() const { return assessment.total(prediction::Quantity::max_torque); }
 };
 

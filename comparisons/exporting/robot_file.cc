@@ -97,7 +97,7 @@ std::vector<Part> parts_of(const XmlFile& file, RobotFormat format) {
   return parts;
 }
 
-/// Where else the finger may be: this file is not the whole model.
+/// Hint where the finger may be if this file is not the whole model; else empty.
 std::string elsewhere(const XmlFile& file) {
   for (const auto& element : file.elements()) {
     if (element->name == "include")
@@ -109,8 +109,8 @@ std::string elsewhere(const XmlFile& file) {
 
 double numeric(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
 
-/// What MJCF says in other places than the geom: defaults, pairs, options. Found once, so that
-/// asking for each geom costs no pass through the file.
+/// Parts of an MJCF file outside the geom that affect its contact: defaults, pairs, options.
+/// Collected once, so that asking for each geom costs no pass through the file.
 class Mjcf {
  public:
   explicit Mjcf(const XmlFile& file) {
@@ -174,7 +174,8 @@ class Mjcf {
  private:
   using Elements = std::vector<const XmlElement*>;
 
-  /// Of the class that the element names, else of the nearest childclass around it; null: none.
+  /// Defaults of the class that the element names, else of the nearest childclass around it; null:
+  /// none.
   const Elements* defaults_of(const XmlElement& element) const {
     std::string name = element.value("class");
     for (const XmlElement* body = element.parent; body && name.empty(); body = body->parent)
@@ -233,7 +234,7 @@ const XmlElement* body_of(const XmlElement& geom) {
   return body;
 }
 
-/// What else decides whether and how the fingers touch: a sentence each.
+/// Notes on what else decides whether and how the fingers touch, a sentence each.
 std::vector<std::string> notes_about(const XmlFile& file, const Mjcf& mjcf,
                                      const std::vector<const XmlElement*>& geoms) {
   std::vector<std::string> notes;

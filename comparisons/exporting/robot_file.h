@@ -21,11 +21,11 @@ std::string_view name_of(RobotFormat format);
 /// @throws InputError for another one
 RobotFormat format_of(const XmlFile& file);
 
-/// What is written, beside the contact itself.
+/// Contact to be written, with the data that only some formats take.
 struct RobotContact {
   SoftContact contact;
-  /// Of the torque and of the force in the simulator, over the loads: "-31.6 to +43.0 % of the
-  /// torque, 0.5 to 10 N".
+  /// Errors of torque and force in the simulator, over the loads: "-31.6 to +43.0 % of the torque,
+  /// 0.5 to 10 N".
   std::string torque_error, force_error;
   /// For MuJoCo: the mass that the contact moves, for a solref with the model's normal stiffness.
   std::optional<double> effective_mass_kg;

@@ -34,7 +34,7 @@ struct XmlElement {
   std::string value(const std::string& attribute_name) const;
 };
 
-/// What an element should have. What it has beside that stays.
+/// Required content of an element; anything else in it stays.
 struct WantedElement {
   struct Value {
     std::string name, value;

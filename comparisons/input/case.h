@@ -46,8 +46,8 @@ struct MeshBody {
   std::optional<Eigen::Vector3d> along;
   /// In place of a point on the surface: the surface's point nearest to this one.
   std::optional<Eigen::Vector3d> near_m;
-  /// Of a finger: the surface of its rigid core, in the same coordinates, for finite elements on
-  /// the curved finger; empty: the finger's own surface, offset by the layer's thickness.
+  /// Surface of a finger's rigid core, in the same coordinates, for finite elements on the curved
+  /// finger; empty: the finger's own surface, offset by the layer's thickness.
   std::filesystem::path core;
 };
 
@@ -125,11 +125,11 @@ void settle_finger_shape(Case& contact_case);
 /// @param file  "-": standard input
 Case read_case(const std::filesystem::path& file, const Settings& settings = {});
 
-/// The same for a text that is already in memory; `file` is used in messages and to find meshes.
+/// Reads a case from a text in memory; `file` is used in messages and to find meshes.
 Case parse_case(const std::string& text, const std::filesystem::path& file,
                 const Settings& settings = {});
 
-/// The same case with another value of a doubted number, in the file's unit.
+/// Copy of a case with another value of a doubted number, in the file's unit.
 /// @throws InputError where the case does not allow that value
 Case with_value(const Case& contact_case, const Doubt& doubt, double value);
 

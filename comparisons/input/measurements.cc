@@ -23,7 +23,7 @@ struct KnownColumn {
   double si_per_unit;
 };
 using Quantity = MeasuredQuantity;
-// Of each quantity the first is what the program writes.
+// The first column of each quantity is the one that the program writes.
 constexpr std::array<KnownColumn, 12> kColumns{
     {{"load_N", std::nullopt, 1},
      {"a_mm", Quantity::a, 1e-3},

@@ -5,7 +5,7 @@
 
 #include "softfinger/calibration/measurement.h"
 
-/// What somebody measured on a finger: a table of comma-separated values.
+/// Measurements on a finger: a table of comma-separated values.
 namespace softfinger::input {
 
 /// Limits of a table. The message that refuses one states the limit.

@@ -4,14 +4,14 @@
 
 #include "meshes/io/read_surface.h"
 
-/// What people are told about the unit of a mesh, which its file does not hold. A wrong unit scales
-/// all lengths alike, so that nothing else shows it.
+/// Remarks about the unit of a mesh, which its file does not hold. A wrong unit scales all lengths
+/// alike, so that nothing else shows it.
 namespace softfinger::input {
 
 /// A finger has a usual width, 5 to 40 mm; of other bodies less is known.
 enum class MeshRole { finger, object };
 
-/// Where a user would type the unit: `unit = "m"` or `--unit m`.
+/// Place where the user states ("tells") the unit: `unit = "m"` or `--unit m`.
 enum class UnitIsTold { in_a_file, on_the_command_line };
 
 /// "0.048 mm or 48 mm wide: taken as m" where the unit was guessed and this is not plain, and a

@@ -25,7 +25,7 @@ namespace softfinger::input {
 /// @throws InputError naming file, line and key
 ContactLcp read_recorded_contacts(const std::filesystem::path& file);
 
-/// The same for a text that is already in memory; `file` is used in messages.
+/// Reads the problem from a text in memory; `file` is used in messages.
 ContactLcp parse_recorded_contacts(const std::string& text, const std::filesystem::path& file);
 
 /// Writes a problem with these friction vertices. The file format knows facets only, so that

@@ -353,7 +353,7 @@ Solid solid(const Shape& shape, const std::string& where) {
   return result;
 }
 
-/// The same of all shapes of a body together; where they overlap, their volume counts twice.
+/// Solid made of all shapes of a body; where they overlap, their volume counts twice.
 Solid united(const std::vector<Shape>& shapes, const std::string& where) {
   Solid sum;
   std::vector<Solid> parts;
@@ -941,7 +941,7 @@ void SceneReader::start_joints(Multibody bodies) {
   scene_.start_velocity = start + allowed * Solver(rows * allowed).solve(wanted);
   bodies.set_velocity(scene_.start_velocity);
   for (const Typed& of : typed) {
-    // What is typed is rounded.
+    // Typed velocities are rounded and need not match exactly.
     constexpr double kRounding = 1e-3, kLeast = 1e-9;
     const double unit = of.is_angular ? kDegree : kMillimetre;
     const Eigen::Vector3d nearest = velocity_of(of);

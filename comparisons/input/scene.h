@@ -20,7 +20,7 @@
 /// A scene as its file describes it: bodies, joints, motors, contacts, and what happens to them.
 namespace softfinger::input {
 
-/// How the contacts of a scene resist sliding, where no [[contact]] says otherwise.
+/// Friction law of a scene's contacts, where no [[contact]] names another.
 struct FrictionSettings {
   const FrictionLaw* law = &kEllipsoidLaw;
   int vertices = 16;  ///< of `facets`
@@ -48,13 +48,14 @@ struct EccentricityOverLoad {
   double least_load_N = 0, largest_load_N = 0;
   std::vector<double> eccentricity_m;  ///< evenly spaced in ln P, at least two
 };
-/// Where e_n of a contact comes from; a pressure model by its name.
+/// Source of a contact's e_n; a pressure model by its name.
 using ContactModel = std::variant<AutomaticModel, RigidPoint, GivenEccentricity,
                                   EccentricityOverLoad, const PressureModel*>;
 
-/// What holds for the contacts of two bodies.
+/// Properties of the contacts of two bodies.
 struct ContactRule {
-  /// Its coefficient alone holds where the contact is a point: there the area is not known.
+  /// Shear law of the contact. Only its coefficient is used at a point contact, whose area is not
+  /// known.
   ShearLaw shear_law = ShearLaw::coulomb(0.5);
   ContactModel model;
   const FrictionLaw* friction = nullptr;  ///< null: the scene's
@@ -117,7 +118,7 @@ struct Scene {
   std::vector<ContactRule> rules;
   std::vector<int> rule_of_pair;  ///< bodies x bodies
 
-  /// What was repaired in the scene's meshes, doubts about their units, and unusual values.
+  /// Repairs of the scene's meshes, doubts about their units, and unusual values.
   std::vector<std::string> remarks;
 
   int steps() const;

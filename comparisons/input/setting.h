@@ -18,7 +18,7 @@ using Settings = std::vector<Setting>;
 /// @throws InputError(where "--set ...") unless it has both, on one line
 Setting parse_setting(const std::string& typed);
 
-/// Of two values for one key one would be lost without a word.
+/// Refuses two values for one key, of which one would be lost without a word.
 /// @throws InputError that names both
 void require_each_key_once(const Settings& settings);
 
@@ -26,7 +26,7 @@ void require_each_key_once(const Settings& settings);
 /// @throws InputError also when it is larger than any such file
 std::string read_typed_text(const std::filesystem::path& file);
 
-/// What messages call it: the file, or "standard input" for "-".
+/// Name of an input in messages: the file, or "standard input" for "-".
 std::filesystem::path name_of_typed(const std::filesystem::path& file);
 
 /// Whether a text can be an id, which becomes the name of a folder of results: 1 to 64 letters,

@@ -44,7 +44,7 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 /// deeply.
 toml::table parse_toml(const std::string& text, const std::string& file);
 
-/// The same with values replaced.
+/// Parses a text and replaces values by the settings.
 toml::table parse_toml(const std::string& text, const std::string& file, const Settings& settings);
 
 /// The text to read the same values again: the one given, or, where values were replaced, one

@@ -12,7 +12,7 @@
 namespace softfinger::input {
 namespace {
 
-/// What a value usually is, in the unit that files have.
+/// Usual range of a value, in the unit of the files.
 struct UsualRange {
   const char* name;
   double least, largest;

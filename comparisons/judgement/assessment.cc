@@ -37,10 +37,11 @@ bool has_logarithmic_energy(const input::Case& contact_case) {
   return contact_case.fem_finite && contact_case.fem_finite->volumetric == "logarithmic";
 }
 
-/// What lambda/2 (ln J)² changes of the numbers of a layer with the quadratic volume energy, per
-/// d/h, times (1 - 2 nu)^(1/3): no less than in 30 pairs of finite-element runs at the same load,
-/// spheres on flat layers and round fingers on planes, nu 0 to 0.49, d/h 0.12 to 0.36. The largest
-/// changes there: a 2.0 %, d 4.5 %, peak pressure 10.5 %, torque 4.3 %, at nu = 0 and d/h = 0.35.
+/// Relative changes of a layer's numbers if lambda/2 (ln J)² replaces the quadratic volume energy.
+/// They are proportional to d/h (1 - 2 nu)^(1/3), and no less than in 30 pairs of finite-element
+/// runs at the same load, spheres on flat layers and round fingers on planes, nu 0 to 0.49, d/h
+/// 0.12 to 0.36. The largest changes there: a 2.0 %, d 4.5 %, peak pressure 10.5 %, torque 4.3 %,
+/// at nu = 0 and d/h = 0.35.
 QuantityErrors change_by_logarithmic_energy(const prediction::ModelAnswer& answer) {
   constexpr QuantityErrors kPerStrain = {0.1, 0.1, 0.14, 0.2, 0.32, 0.13};
   const ElasticLayer& layer = answer.problem.layer;
@@ -71,7 +72,7 @@ const char* reason_without_bound(const input::Case& contact_case,
     return "bounds are known for neo-Hookean layers only";
   if (is_steep_paraboloid(contact_case, answer))
     return "bounds are known for ellipsoidal fingers, and this one is of another shape";
-  if (std::string_view(answer.model->card().name) == "power_law")
+  if (answer.model->card().is_empirical)
     return "a measured law holds for the finger that it was measured on";
   return nullptr;
 }
@@ -114,17 +115,17 @@ QuantityErrors change_with_region(const ContactPatch& patch,
   return change;
 }
 
-/// What the facets leave open that the fit cannot see: its scatter tells little of the surface
-/// between so few vertices. A surface that lies so much higher is pressed so much deeper, and the
-/// area of a contact is in proportion to its approach.
+/// Relative errors by the facets that the fit cannot see, as its scatter tells little of the
+/// surface between so few vertices. A surface that lies higher is pressed deeper by as much, and
+/// the area of a contact is proportional to its approach.
 QuantityErrors change_with_facets(const ContactPatch& patch,
                                   const prediction::ModelAnswer& answer) {
   const double deeper = patch.facet_doubt_m / answer.prediction.indentation_m;
   return {deeper / 2, deeper / 2, deeper, deeper, deeper, deeper / 2};
 }
 
-/// What the fit of the radii leaves open. A model that is too slow to be asked repeatedly gets that
-/// of bonded_layer: it follows from the geometry far more than from the model.
+/// Relative error left open by the fit of the radii. A model that is too slow to be asked
+/// repeatedly gets that of bonded_layer: it follows from the geometry far more than from the model.
 QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
                               const prediction::ModelAnswer& asked, prediction::TorqueRule rule) {
   QuantityErrors error;
@@ -237,7 +238,7 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
         "this model against fingertip_layer, which was fitted to finite-element runs of whole "
         "fingers at finite strain, pressed without friction: 95 % of them lie inside" +
         nearest_run_in_words(answer);
-  // Where nothing is known of the geometry the bound is of no use.
+  // A bound is of no use where the geometry's part of the error is not determined.
   if (!result.determined)
     result.evidence += (result.known() ? "; " : "") + what_would_determine(geometry);
   return result;
@@ -246,7 +247,7 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
 Assessment assess_finite_elements(const input::Case& contact_case,
                                   const prediction::LocalGeometry& geometry, double load_N,
                                   const prediction::Demand& demand) {
-  // Where a fast model can be assessed the runs lie, by which both are known.
+  // The error of finite elements is known from the same runs as that of the fast models.
   Assessment result = assess(
       contact_case, geometry,
       prediction::ask_model(*find_pressure_model("bonded_layer"), contact_case, geometry, load_N),

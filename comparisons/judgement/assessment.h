@@ -20,14 +20,14 @@ prediction::Assessment assess(const input::Case& contact_case,
                               const prediction::ModelAnswer& answer, prediction::TorqueRule rule,
                               const prediction::Demand& demand);
 
-/// The same without its evidence in words, which cost more than all of its numbers.
+/// `assess` without its evidence in words, which costs more than all of its numbers.
 prediction::Assessment assess_numbers(const input::Case& contact_case,
                                       const prediction::LocalGeometry& geometry,
                                       const prediction::ModelAnswer& answer,
                                       prediction::TorqueRule rule,
                                       const prediction::Demand& demand);
 
-/// The same of finite elements of the whole finger that have not run.
+/// Assesses finite elements of the whole finger that have not run.
 prediction::Assessment assess_finite_elements(const input::Case& contact_case,
                                               const prediction::LocalGeometry& geometry,
                                               double load_N, const prediction::Demand& demand);

@@ -43,13 +43,13 @@ struct Comparison {
   std::string failure;  ///< why there is no reference
   std::string folder;   ///< of the reference's files, below the report's `fem`
   std::vector<ModelComparison> models;
-  /// Of the bodies that are meshes.
+  /// Pictures of the fits, for bodies that are meshes.
   std::optional<prediction::FitPicture> finger_picture, object_picture;
   std::optional<Ladder> ladder;  ///< of a reference that finished, where it was asked for
 
   /// sqrt(a b)/h of the reference.
   std::optional<double> size() const;
-  /// What the fit of the radii leaves open; nothing where no model has an answer.
+  /// Relative error left open by the fit of the radii; nothing where no model has an answer.
   std::optional<prediction::QuantityErrors> geometry_error() const;
 };
 
@@ -74,7 +74,7 @@ Comparison compare(const input::Case& contact_case, const prediction::LocalGeome
 /// and slope at finite strain, and sublayers. What these cost, the comparison measures.
 bool is_sound(const Prediction& prediction, const input::Case& contact_case);
 
-/// What the case's reference is: "the finger at finite strain".
+/// Name of the case's reference: "the finger at finite strain".
 std::string reference_in_words(const input::Case& contact_case);
 
 /// The errors from which verdicts are made.

@@ -12,7 +12,7 @@
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/quantity.h"
 
-/// What the numbers of a case cost: how far the answer moves when they do.
+/// Effect of a case's uncertain numbers: how far the answer moves when they do.
 namespace softfinger::judgement {
 
 /// "E x 2: -16 %, h + 10 %: +2.6 %, mu + 10 %: +10 %": changes of the largest torque, each by the
@@ -20,7 +20,7 @@ namespace softfinger::judgement {
 /// sheet and a fingertip. Empty without an answer, and for models slower than the hot path.
 std::string cost_of_inputs(const prediction::ModelAnswer& answer, prediction::TorqueRule rule);
 
-/// How far the doubts of a case's numbers move an answer, at 95 %, relative.
+/// Relative change of an answer by the doubts of a case's numbers, at 95 %.
 struct InputDoubt {
   prediction::QuantityErrors relative{};  ///< the larger one of both sides
   double eccentricity = 0;                ///< of e_n

@@ -7,7 +7,7 @@
 
 #include "comparisons/reference/reference_result.h"
 
-/// What every idealisation costs, from a closed form to the finger itself, at one load.
+/// Cost of every idealisation, from a closed form to the finger itself, at one load.
 namespace softfinger::judgement {
 
 struct Comparison;
@@ -25,14 +25,14 @@ struct LadderStep {
 
 struct Ladder {
   std::vector<LadderStep> steps;  ///< the last is the reference, whose departures are 0
-  /// How far the reference's own numbers are uncertain, without sign: fit of the radii, facets,
+  /// Uncertainties of the reference's own numbers, without sign: fit of the radii, facets,
   /// elements; those that are known.
   std::vector<LadderStep> doubts;
   std::string sentence;  ///< names the largest step
 };
 
-/// The same contact with fewer effects than the reference. Absent where the reference is that, and
-/// where it failed.
+/// References of the same contact with fewer effects than the case's own. Each is absent where the
+/// case's own reference is that one, and where it failed.
 struct IdealisedReferences {
   std::optional<reference::ReferenceResult> flat_linear, flat_finite;
 };

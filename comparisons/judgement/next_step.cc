@@ -73,7 +73,8 @@ std::optional<Usable> usable_model(const input::Case& contact_case,
   return Usable{&model, worst_of(found.totals(), demand.quantities)};
 }
 
-/// The same for another load or point of the case; none also where the geometry is refused there.
+/// The recommended model at another load or point of the case, if it is usable; none also where the
+/// geometry is refused there.
 std::optional<Usable> usable_model(const input::Case& contact_case,
                                    const GeometryResolver& resolver, double load_N,
                                    const Demand& demand) {
@@ -177,7 +178,7 @@ bool is_thicker_than_finger(const ContactProblem& problem) {
   return problem.layer.thickness_m * largest_per_m >= kMostOfRadius;
 }
 
-/// What no other point, load or model changes, and what to do about it.
+/// Obstacle that no other point, load or model removes, and what to do about it.
 std::optional<NextStep> structural(const input::Case& contact_case, const ModelAnswer* answer) {
   const std::string compare = "softfinger compare " + as_typed(contact_case);
   if (contact_case.object_layer.thickness_m > 0)
@@ -203,7 +204,7 @@ std::optional<NextStep> structural(const input::Case& contact_case, const ModelA
   return std::nullopt;
 }
 
-/// What helps where nothing that was tried did.
+/// Advice where nothing that was tried helped.
 std::string last_resort(const input::Case& contact_case) {
   const char* name = nullptr;
   if (mesh_of(contact_case, &name))

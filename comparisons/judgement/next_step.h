@@ -8,7 +8,8 @@
 #include "comparisons/prediction/quantity.h"
 #include "softfinger/input/errors.h"
 
-/// What a user can do where an answer is not usable. A remedy is named only after it was tried.
+/// Steps that a user can take where an answer is not usable. A remedy is named only after it was
+/// tried.
 namespace softfinger::judgement {
 
 struct NextStep {
@@ -29,7 +30,7 @@ struct NextStep {
 NextStep next_step(const input::Case& contact_case, const prediction::GeometryResolver& resolver,
                    const prediction::ModelAnswer& answer, const prediction::Demand& demand);
 
-/// The same where the resolver refused the geometry, so that there is no answer.
+/// Next step where the resolver refused the geometry, so that there is no answer.
 NextStep next_step(const input::Case& contact_case, const prediction::GeometryResolver& resolver,
                    double load_N, const InputError& refusal, const prediction::Demand& demand);
 

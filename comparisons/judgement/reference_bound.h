@@ -10,13 +10,13 @@
 
 namespace softfinger::judgement {
 
-/// How far an answer of the finite elements may be from the finger itself.
+/// Bound of the distance between an answer of the finite elements and the finger itself.
 struct ReferenceBound {
   std::optional<prediction::QuantityErrors> bound;  ///< of |relative error|; NaN: not known
   std::string evidence;                             ///< for the bound, or why there is none
 };
 
-/// What of a contact the finite elements solved.
+/// Contact that the finite elements solved, and their result.
 struct SolvedReference {
   const input::Case& contact_case;  ///< as it was solved
   const prediction::LocalGeometry& geometry;
@@ -26,9 +26,10 @@ struct SolvedReference {
   bool by_approach = false;  ///< the load is a result
 };
 
-/// Of the full reference: what elements and a scan's facets leave open, together. A flat layer in
-/// linear theory is what `bonded_layer` solves: its distance to the finger is known and added to
-/// the elements' own error. Of any other idealisation nobody knows.
+/// Bound for a solved contact. For the full reference it is what elements and a scan's facets leave
+/// open, together. A flat layer in linear theory is what `bonded_layer` solves: its distance to the
+/// finger is known and added to the elements' own error. For any other idealisation no bound is
+/// known.
 ReferenceBound bound_of(const SolvedReference& solved);
 
 }  // namespace softfinger::judgement

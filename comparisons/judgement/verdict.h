@@ -7,7 +7,7 @@
 
 namespace softfinger::judgement {
 
-/// What a case's comparison comes to. Usable is defined at `Judgement`.
+/// Outcome of a case's comparison. Usable is defined at `Judgement`.
 enum class VerdictClass {
   /// One model is usable at all loads. The sentence names the most accurate such model of the hot
   /// path and at most one more. It names a slower model only if no model of the hot path is usable

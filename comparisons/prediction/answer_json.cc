@@ -54,7 +54,7 @@ void add_limit_surface(const ModelAnswer& answer, TorqueRule rule, int count,
         {{"fx_N", point.force_x_N}, {"fy_N", point.force_y_N}, {"torque_Nm", point.torque_Nm}});
 }
 
-/// Of a pressure that moves to one side of the contact without exceeding the model's peak.
+/// Limit of tilt: the pressure moves to one side of the contact without exceeding the model's peak.
 std::optional<TiltLimit> tilt_limit_of(const ModelAnswer& answer) {
   const Prediction& prediction = answer.prediction;
   const double load_N = answer.problem.load.normal_force_N;

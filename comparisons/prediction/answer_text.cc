@@ -96,7 +96,7 @@ std::string bound_of(const ModelAnswer& answer, Quantity quantity) {
 
 /// "  hertz: of area, torque the model itself costs +27 %, +20 %, strain -2.2 %, -1.6 %, ..."
 std::string causes_in_words(const ModelAnswer& answer, const std::string& name) {
-  // What each costs of another law's torque is not known.
+  // The causes' parts are known for Coulomb's torque only.
   if (!answer.assessment || !answer.assessment->bound ||
       answer.shear_law.kind != ShearLaw::Kind::coulomb)
     return "";

@@ -37,14 +37,14 @@ struct SampledGapResult {
   Changes changes_by_rounding;
 };
 
-/// How far an answer is from the finger itself, as `judgement::assess` finds it.
+/// Distance of an answer from the finger itself, as `judgement::assess` finds it.
 struct Assessment {
   bool usable = false;      ///< the demanded quantities are within the tolerance, geometry included
   bool determined = false;  ///< what the geometry leaves open of them is
   std::optional<QuantityErrors> bound;     ///< of |relative error| against the full reference
   std::optional<QuantityErrors> geometry;  ///< what the fit of the radii adds, NaN: not known
   std::string evidence;                    ///< for the bound, or why there is none
-  /// What the bound's expected error consists of, signed, by `ErrorCause`; with a bound only.
+  /// Parts of the bound's expected error, signed, by `ErrorCause`; with a bound only.
   std::array<QuantityErrors, kErrorCauses> causes{};
 
   /// Both together, of one quantity; NaN where one is not known.
@@ -83,7 +83,8 @@ struct ModelAnswer {
   std::optional<SampledGapResult> sampled;  ///< set when the gap was not the quadric
   std::optional<Assessment> assessment;     ///< where it was asked for
 
-  /// Where the answer was assessed, whether it is usable; else no assumption of the model may fail.
+  /// Whether the answer is usable, where it was assessed; else whether no assumption of the model
+  /// fails.
   bool valid() const { return assessment ? assessment->usable : prediction.valid(); }
 
   double eccentricity_m(TorqueRule rule) const {
@@ -111,14 +112,14 @@ std::vector<std::string> slow_models();
 ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
                       std::optional<double> time_budget_ns = std::nullopt);
 
-/// The same for a contact of a case. Adds a check that no model makes itself: whether the layer is
-/// homogeneous.
+/// Asks a model about a contact of a case. Adds a check that no model makes itself: whether the
+/// layer is homogeneous.
 ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
                       const LocalGeometry& geometry, double load_N,
                       std::optional<double> time_budget_ns = std::nullopt);
 
-/// The same contact with other radii of the gap, of which the finger keeps its part: they are told
-/// by the same surface.
+/// Copy of a contact with other radii of the gap. The finger keeps its share of the curvature,
+/// because both follow from the same surface.
 ContactProblem with_radii(ContactProblem problem, const RelativeRadii& radii);
 
 /// A check that fails if the case has several sublayers.

@@ -8,8 +8,8 @@
 
 namespace softfinger::prediction {
 
-/// What a quadric was fitted to, to be drawn as in figure 2 of Ciocarlie et al. (2007): the facets
-/// of the mesh about the contact point, seen along the normal.
+/// Facets to which a quadric was fitted, to be drawn as in figure 2 of Ciocarlie et al. (2007):
+/// those of the mesh about the contact point, seen along the normal.
 struct FitPicture {
   struct Facet {
     std::array<Eigen::Vector2d, 3> corners_m;  ///< along the fit's x and y

@@ -149,8 +149,8 @@ SampledGap smooth_gap(const ArrayXd& samples_m, int rings, const Lattice& lattic
                     gap_m);
 }
 
-/// How much the answer changes, relatively, when the facets are rounded. NaN when the rounded
-/// bodies have no answer.
+/// Relative changes of the answer when the facets are rounded. NaN when the rounded bodies have no
+/// answer.
 SampledGapResult::Changes changes_by_rounding(const Prediction& facets, const Samples& samples,
                                               const Lattice& lattice,
                                               const ContactProblem& problem) {

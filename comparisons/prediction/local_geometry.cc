@@ -294,7 +294,7 @@ LocalGeometry GeometryResolver::resolve(double load_N) const {
   return result;
 }
 
-/// Where the surface is and how it lies: by a quadric, or a plane where none can be fitted.
+/// Position and orientation of the surface: by a quadric, or a plane where none can be fitted.
 QuadricFit GeometryResolver::lie_of(const input::MeshBody& body) const {
   const input::MeshBody mesh = placed(body);
   require_point_on_surface(surface(mesh), mesh.point_m, mesh.where, "point_mm");

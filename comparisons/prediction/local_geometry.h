@@ -22,20 +22,20 @@ struct LocalGeometry {
   /// Set for an exact sphere on a flat finger: the finite elements then use the sphere itself. On a
   /// curved finger only the sphere's curvature enters, as in the models.
   double sphere_radius_m = std::numeric_limits<double>::infinity();
-  /// Of the body with the layer, along the contact's axes. Zero for radii alone, which stand for a
-  /// flat layer.
+  /// Curvature of the body with the layer, along the contact's axes. Zero for radii alone, which
+  /// stand for a flat layer.
   SurfaceCurvature finger_curvature;
   bool is_object_spherical = false;  ///< the body without the layer is an exact sphere
-  /// Where a mesh is touched, in the file's coordinates; zero for other bodies.
+  /// Point at which a mesh is touched, in the file's coordinates; zero for other bodies.
   Eigen::Vector3d finger_point_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d object_point_m = Eigen::Vector3d::Zero();
-  /// Of the meshes' files, typed or guessed.
+  /// Units of the meshes' files, typed or guessed.
   double finger_metres_per_unit = 1e-3, object_metres_per_unit = 1e-3;
   /// Why the bodies have no relative radii; `radii` are then but a guess of the contact's size.
   std::string no_ellipse;
 };
 
-/// What models are asked for one load of a case.
+/// Problem that models solve for one load of a case.
 ContactProblem contact_problem(const input::Case& contact_case, const LocalGeometry& geometry,
                                double load_N);
 

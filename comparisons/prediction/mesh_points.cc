@@ -149,7 +149,7 @@ std::string doubt_of(const QuadricFit& fit) {
   if (fit.surface_kind == SurfaceKind::sharp_edge)
     doubt = fmt::format("a sharp edge of {:.3g}° lies in the region",
                         fit.sharpest_kink_rad * 180 / kPi);
-  // Of the two radii the smaller one is what a fit knows best.
+  // A fit knows the smaller one of the two radii best: if that is in doubt, both are.
   constexpr double kKnown = 0.5;
   const double part = fit.radii_std_m[1] / std::abs(fit.principal.radii_m[1]);
   if (part > kKnown && std::isfinite(part))

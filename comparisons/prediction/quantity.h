@@ -15,7 +15,7 @@ constexpr std::array<const char*, kQuantities> kQuantityNames = {
     "a", "b", "indentation", "area", "peak_pressure", "max_torque"};
 using QuantityErrors = std::array<double, kQuantities>;  ///< relative
 
-/// What an answer has to be for its user: these quantities within the tolerance.
+/// Demand of a user on an answer: these quantities within the tolerance.
 struct Demand {
   double tolerance = 0.1;  ///< relative
   QuantityChoice quantities = kUsualQuantities;

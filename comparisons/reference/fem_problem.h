@@ -18,7 +18,8 @@ struct PlacedMesh {
   input::MeshBody mesh;
   double metres_per_unit = 1e-3;           ///< of its file, typed or guessed
   Eigen::Vector3d outward_normal, x_axis;  ///< in the file's coordinates
-  /// Of the surface's sections along the frame's axes; none where a section is flat or hollow.
+  /// Radii of the surface's sections along the frame's axes; none where a section is flat or
+  /// hollow.
   std::optional<double> radius_x_m, radius_y_m;
   /// Share of the fitted region's area that the contact did not ask for: facets were too large.
   double region_excess = 0;
@@ -37,7 +38,7 @@ struct LayerMesh {
   std::string content;  ///< a hash of it: a mesh with another content is another problem
 };
 
-/// What else than the normal contact is computed.
+/// Results asked for beyond the normal contact.
 struct FrictionRequest {
   bool torsion = false;        ///< twist to full slip
   int increments = 20;         ///< of the twist
@@ -65,7 +66,7 @@ struct FemProblem {
   };
   std::optional<Bodies> bodies;  ///< none: a flat layer under the quadric gap
   std::optional<FrictionRequest> friction;
-  // Where files go. They decide nothing about the answer.
+  // Output paths, which decide nothing about the answer.
   std::filesystem::path output_directory, compliance_file;  ///< empty: none are written
 };
 

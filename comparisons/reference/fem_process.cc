@@ -87,7 +87,7 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
       system::ProcessJob job;
       job.command = {program, "-"};
       job.input = left.dump() + "\n";
-      // Its threads are its own, not the linear algebra's.
+      // The program has threads of its own, so the linear algebra gets none.
       job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"};
       if (batches[batch].single_thread) job.environment.push_back("DEAL_II_NUM_THREADS=1");
       // Under mpirun this program is a rank; the finite elements are not.

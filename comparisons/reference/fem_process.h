@@ -13,7 +13,7 @@
 /// for each, all JSON (fem/README.md).
 namespace softfinger::reference {
 
-/// What each problem may take. The defaults are far above what any contact of the suite needs.
+/// Limits of each problem. The defaults are far above what any contact of the suite needs.
 struct FemLimits {
   double time_s = 3600;
   double memory_MB = 8192;
@@ -39,7 +39,7 @@ struct FemIndex {
 };
 
 struct FemCallbacks {
-  /// What a process says about its progress.
+  /// Called with each line of a process about its progress.
   std::function<void(FemIndex, const std::string& line)> on_line = [](auto, const auto&) {};
   /// As each answer comes. May throw: all processes are then stopped and the exception goes on.
   std::function<void(FemIndex, FemAnswer)> on_answer = [](auto, auto&&) {};

@@ -28,7 +28,7 @@ struct FinishedResult {
 FinishedResult parse_finished_result(const std::string& text, const std::string& program,
                                      const nlohmann::json& problem);
 
-/// The same for a file; one that does not exist is no flaw.
+/// Reads a file with a finished result; one that does not exist is no flaw.
 FinishedResult read_finished_result(const std::filesystem::path& file, const std::string& program,
                                     const nlohmann::json& problem);
 

@@ -7,7 +7,7 @@
 
 namespace softfinger::reference {
 
-/// What the reference is asked to leave out, although the case leaves it open.
+/// Effects that the reference is asked to leave out, although the case leaves them open.
 struct Idealisations {
   bool linear = false;  ///< linear elasticity
   bool flat = false;    ///< a flat layer under the quadric gap

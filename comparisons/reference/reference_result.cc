@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-/// What is missing or impossible, in a few words.
+/// Missing or impossible value of a result, in a few words.
 struct Flaw {
   std::string words;
 };

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-/// What the finite elements say of one contact. The program writes it as JSON (fem/README.md), this
-/// is the one place that reads it.
+/// Results of the finite elements for one contact. The program writes them as JSON (fem/README.md),
+/// and this is the one place that reads them.
 namespace softfinger::reference {
 
 /// Relative errors that the finite elements state for their own numbers, >= 0. Absent: not asked
@@ -83,7 +83,8 @@ ReadReferenceResult read_reference_result(const nlohmann::json& document);
 struct TrustLimits {
   double axes = 0.02;  ///< a and b
   double indentation_and_torque = 0.01;
-  /// What a scan may leave open in a, b, area and torque: the tolerance of comparisons.
+  /// Largest error that a scan may leave open in a, b, area and torque: the tolerance of
+  /// comparisons.
   double geometry = 0.1;
 };
 constexpr TrustLimits kTrustLimits;

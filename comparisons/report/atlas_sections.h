@@ -21,7 +21,7 @@ Html finite_strain_section(const Json& report);
 /// Which runs the atlas is made of, for the page's end: `<dt>..</dt><dd>..</dd>`.
 Html atlas_provenance(const Json& report);
 
-/// What the charts need, beside `styles`; null without an atlas.
+/// Data of the charts, beside `styles`; null without an atlas.
 Json atlas_chart_data(const Json& report);
 
 /// {"hertz": {"label", "colour", "dash"}, ...}

@@ -279,7 +279,7 @@ Html numbers_section(const Json& calibration) {
              rows);
 }
 
-/// What calibration.js draws, in the page's units.
+/// Data that calibration.js draws, in the page's units.
 Json chart_data_of(const Json& calibration) {
   Json quantities = Json::array();
   int place = 0;

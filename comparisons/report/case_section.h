@@ -12,7 +12,7 @@ Html case_section(const Json& report, const Json& report_case, const judgement::
 /// Fragment identifier of a case's section.
 std::string case_anchor(const Json& report_case);
 
-/// What the filter of cases looks in.
+/// Text that the filter of cases searches.
 std::string searched_text(const Json& report_case);
 
 /// A coloured label that says its meaning in words too.

@@ -309,7 +309,7 @@ const Charts = (() => {
   const shared = {speed: drawSpeed, friction: drawFriction, validity: drawValidity};
 
   // Whose pictures the setting buttons change.
-  const DEPENDENT = {speed: true, validity: true, decades: true};
+  const DEPENDENT = {speed: true, validity: true};
 
   // `cases` belong to the page's [data-case] sections, in this order.
   // Returns what draws all figures anew, for pages with choices of their own.
@@ -421,5 +421,5 @@ const Charts = (() => {
     return () => figures.forEach((figure) => figure.width && draw(figure, figure.width));
   }
 
-  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked, start};
+  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked, start};
 })();

@@ -5,7 +5,7 @@
 /// Files that the build copies into the program (embed.cmake).
 namespace softfinger::report::embedded {
 
-/// What runs in a page, and the SHA-256 of its text, 32 bytes.
+/// Script of a page, and the SHA-256 of its text, 32 bytes.
 struct Script {
   std::string_view text, sha256;
 };
@@ -16,7 +16,6 @@ extern const std::string_view report_css;
 extern const Script charts_js;  ///< for every page with charts, before its own script
 extern const Script report_js;
 extern const Script select_js;
-extern const Script extremes_js;
 extern const Script calibration_js;
 extern const Script sweep_js;
 extern const Script d3_js;

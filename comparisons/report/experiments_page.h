@@ -12,7 +12,7 @@ namespace softfinger::report {
 /// @throws std::invalid_argument when there is no array `experiments`
 std::string render_experiments(const nlohmann::json& experiments);
 
-/// The same in short, for the report of a comparison: its `experiments`. Empty without them.
+/// Short form for the report of a comparison: its `experiments`. Empty without them.
 Html experiments_section(const Json& report);
 
 }  // namespace softfinger::report

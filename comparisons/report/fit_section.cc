@@ -11,13 +11,13 @@ namespace {
 
 constexpr double kSide = 360, kMiddle = kSide / 2;
 
-/// Of facets above the quadric, and below it.
+/// Colours of facets above the quadric, and below it.
 constexpr const char* kAbove = "var(--model-2)";
 constexpr const char* kBelow = "var(--model-1)";
 
 double at(const Json& facet, std::size_t i) { return element(facet, i).value_or(0); }
 
-/// Of the facets whose centre is in the region.
+/// Largest distance from the quadric, among facets whose centre is in the region.
 double largest_distance_m(const Json& facets, double radius_m) {
   double largest = 0;
   for (const Json& facet : facets) {

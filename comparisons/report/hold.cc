@@ -16,7 +16,7 @@ using simulation::Recording;
 
 bool is_soft(const RecordedContact& contact) { return contact.semi_axis_a_m > 0; }
 
-/// How a contact has slid from one instant to the next, on body b against body a.
+/// Slide of a contact from one instant to the next, of body b against body a.
 struct SlipStep {
   double along_m = 0, turn_rad = 0;
 };

@@ -20,7 +20,7 @@ namespace softfinger::report {
 struct Hold {
   static constexpr double kLeastSlip_m = 1e-5;
 
-  /// What a contact does at an instant.
+  /// State of a contact at an instant.
   enum class State {
     absent,
     sticks,
@@ -56,7 +56,7 @@ struct Hold {
 /// @param tracks  those of `follow_contacts`
 Hold examine_hold(const simulation::Recording& recording, const std::vector<ContactTrack>& tracks);
 
-/// What a contact does at each instant, whether it is counted or not.
+/// States of a contact, one for each instant, whether it is counted or not.
 std::vector<Hold::State> states_of(const simulation::Recording& recording,
                                    const ContactTrack& track);
 
@@ -72,8 +72,8 @@ std::string in_words(const Hold& hold, const simulation::Recording& recording,
 /// "touches nothing".
 std::string outcome_of(const Hold& hold);
 
-/// What becomes of a scene as it is written and with other models of its contacts, in a sentence
-/// that begins with whether that is the same.
+/// Outcome of a scene as it is written and with other models of its contacts, in a sentence that
+/// begins with whether both are the same.
 std::string outcome_in_words(const simulation::Recording& plain,
                              const simulation::Recording& chosen, const std::string& change);
 

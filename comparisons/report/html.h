@@ -57,7 +57,7 @@ class Html {
 /// Text for element content and attribute values, between double or single quotes.
 Html escape(std::string_view text);
 
-/// What `html` puts into a place: markup as it is, numbers as numbers, any text escaped.
+/// Argument of `html`: markup is inserted as it is, numbers as numbers, any text escaped.
 class HtmlArgument {
  public:
   HtmlArgument(const Html& markup) : value_(markup.markup_) {}
@@ -108,7 +108,7 @@ Html column_heading(const HtmlArgument& words, const Html& unit = "");
 /// ten (`1.2·10<sup>−7</sup>`) only outside 1e-4 to 1e7, a true minus sign. Not finite: a dash.
 Html significant(double value, int digits = 4);
 
-/// The same for a value times `factor` (a change of unit); an absent value is a dash.
+/// Significant digits of a value times `factor` (a change of unit); an absent value is a dash.
 Html significant(std::optional<double> value, double factor = 1, int digits = 4);
 
 /// A ratio in percent with two to three digits: `+4.21 %`, `−0.30 %`; units follow a no-break

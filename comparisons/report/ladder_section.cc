@@ -17,7 +17,7 @@ struct Panel {
 constexpr std::array<Panel, 3> kPanels = {
     {{"area", "area"}, {"indentation", "indentation"}, {"max_torque", "torque"}}};
 
-// Of the picture, in its own units.
+// Measures of the picture, in its own units.
 constexpr double kRow = 26, kLabels = 210, kPanel = 200, kInner = 128, kTop = 26;
 
 bool is_doubt(const Json& step) {

@@ -50,7 +50,7 @@ Html point_table(const std::vector<MeshPoint>& points) {
       rows);
 }
 
-/// What only a script can fill; hidden without one (mesh.css).
+/// Viewer that only a script can fill; hidden without one (mesh.css).
 Html viewer() {
   return "<section class=\"viewer\">\n<div class=\"view\"><canvas aria-label=\"The surface in "
          "3-D\">"

@@ -30,8 +30,8 @@ std::string track_name(const simulation::Recording& recording,
 /// Which frames are shown: evenly spaced, the first and the last among them.
 std::vector<std::size_t> shown_frames(const simulation::Recording& recording);
 
-/// What motion.js plays. Arrays are base64 of little-endian float32 or uint32: short, and a picture
-/// shows no more digits.
+/// Data that motion.js plays. Arrays are base64 of little-endian float32 or uint32: short, and a
+/// picture shows no more digits.
 Json motion_data(const simulation::Recording& recording, const std::vector<ContactTrack>& tracks);
 
 }  // namespace softfinger::report

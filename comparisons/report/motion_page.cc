@@ -73,7 +73,7 @@ Html limits_in_words(std::size_t slipping, std::size_t creeping, std::size_t con
   return text;
 }
 
-/// Where it ends: what still moves, what slips or is at its limit, what is nearest to it.
+/// State at the end: what still moves, what slips or is at its limit, what is nearest to it.
 Html outcome(const Recording& recording, const States& states) {
   if (recording.frames.size() < 2) return "";
   const simulation::Frame& end = recording.frames.back();

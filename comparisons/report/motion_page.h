@@ -6,7 +6,7 @@
 
 namespace softfinger::report {
 
-/// Where a recording comes from; what is empty is left out.
+/// Origin of a recording; empty parts are left out.
 struct MotionPageOptions {
   std::string scene_text;  ///< the scene file
   std::string version, date;

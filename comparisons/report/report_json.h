@@ -2,7 +2,7 @@
 
 #include "comparisons/report/html.h"
 
-/// What several pages read of a report.json or select.json.
+/// Values of a report.json or select.json that several pages read.
 namespace softfinger::report {
 
 /// Whether the model was given anything to answer with: a law that was not measured has nothing to

@@ -135,7 +135,7 @@ std::optional<Recommended> recommended(const std::vector<ComparedLoad>& loads, d
   return best;
 }
 
-/// What shall I use for these contacts?
+/// Answer to the question which models to use for these contacts.
 Html answer(const Json& report, const Cases& cases) {
   const double limit = tolerance(report);
   std::vector<ComparedLoad> open, unsolved, undetermined, none;

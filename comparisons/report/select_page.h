@@ -10,8 +10,7 @@ namespace softfinger::report {
 /// @throws std::invalid_argument when `selection` has no array `choices`
 std::string render_selection(const nlohmann::json& selection);
 
-/// The same for a scene: what each pair of bodies that touch needs, and what that does to the
-/// motion.
+/// Page for a scene: what each pair of bodies that touch needs, and what that does to the motion.
 /// @throws std::invalid_argument as above
 std::string render_scene_selection(const nlohmann::json& selection);
 

@@ -6,7 +6,7 @@
 #include "comparisons/judgement/judgement.h"
 #include "comparisons/report/html.h"
 
-/// How models are named and drawn, the same everywhere on a page.
+/// Names and looks of models, the same everywhere on a page.
 namespace softfinger::report {
 
 using judgement::label;

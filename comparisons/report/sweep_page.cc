@@ -134,7 +134,7 @@ class Columns {
   std::vector<std::string> names_;
 };
 
-/// What an axis of the picture can be: a swept key, or the load.
+/// Variable that an axis of the picture can show: a swept key, or the load.
 struct Variable {
   std::string key, words, unit;  ///< not escaped
   bool log = false;
@@ -157,7 +157,7 @@ struct Source {
   }
 };
 
-/// What the page is made of.
+/// Data of the page, read from a sweep.
 struct Table {
   std::vector<Variable> variables;
   std::vector<Source> models;
@@ -571,8 +571,8 @@ Json source_data(const Source& source, const Table& table) {
           {"valid", text::base64(text::bytes_of(source.valid))}};
 }
 
-/// What sweep.js draws: columns as base64 of little-endian float32, in the page's units, NaN where
-/// there is none.
+/// Data that sweep.js draws: columns as base64 of little-endian float32, in the page's units, NaN
+/// where there is none.
 Json sweep_chart_data(const Json& sweep, const Table& table) {
   Json variables = Json::array(), quantities = Json::array(), sources = Json::array();
   for (const Variable& variable : table.variables)

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-/// What the readers of robots' files write scenes with.
+/// Parts of a scene's text, for the readers of robots' files.
 namespace softfinger::robots {
 
 /// A soft surface for a body of the robot.
@@ -29,7 +29,7 @@ std::string in_quotes(const std::string& text);
 std::string rotation_deg(const Eigen::Matrix3d& turn);
 /// position_mm and rotation_deg of an inline table, where they are not zero.
 std::string placed(const Eigen::Isometry3d& at);
-/// The same as lines of a table.
+/// position_mm and rotation_deg as lines of a table.
 std::string placed_lines(const Eigen::Isometry3d& at);
 /// mass_g, center_of_mass_mm and inertia_kg_mm2 as lines.
 /// @param inertial  of the centre of mass, in whose axes the inertia is

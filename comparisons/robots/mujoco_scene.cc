@@ -331,7 +331,8 @@ class Importer {
     const Eigen::Map<const Eigen::VectorXd> speeds(velocity.data(), m_->nv);
     const Vector3d moves = linear * speeds, turns = angular * speeds;
     std::string lines;
-    // What is not said of a body on a joint is left to the others, therefore its zeros are said.
+    // A velocity that is not stated of a body on a joint follows from the others, so zeros are
+    // stated.
     if (joints_move_ || !moves.isZero(0))
       lines += fmt::format("velocity_mm_per_s = {}\n", list(kMillimetres * moves));
     if (joints_move_ || !turns.isZero(0))
@@ -513,7 +514,8 @@ class Importer {
     return 2 * bias[2] * std::sqrt(-bias[1] * mass);
   }
 
-  /// Of an actuator: its force range, and of a pure motor gain times the range of its control.
+  /// Largest force of an actuator: that of its force range, and for a pure motor at most the gain
+  /// times the range of its control.
   double most_force(int a, const std::string& own) {
     double most = std::numeric_limits<double>::infinity();
     const auto limit = [&](const char* what, const double* range, double gain) {

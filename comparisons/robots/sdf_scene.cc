@@ -273,7 +273,7 @@ class Importer {
     motors_ += "\n";
   }
 
-  /// What a collision's <surface> says about touching others.
+  /// Properties from a collision's <surface> that decide how it touches others.
   struct Surface {
     double friction_coefficient = 1;
     unsigned collide = 0xffff, category = 0xffff;
@@ -435,7 +435,7 @@ class Importer {
                        in_quotes(std::filesystem::absolute(path).string()));
   }
 
-  /// Of two surfaces the smaller friction counts.
+  /// Adds the contact rules; the smaller friction of two surfaces counts.
   void add_contacts() {
     std::size_t rules = 0;
     for (auto a = parts_.begin(); a != parts_.end(); ++a)

@@ -119,9 +119,9 @@ TriangleTree::Core in_frame(const Part& mesh, TriangleTree::Core core) {
   return block;
 }
 
-/// Of a mesh (a) and a ball or a capsule (b): from its core's nearest point follows the shape's
-/// own, also where the two overlap. Beyond twice the reach the gap is only a bound. Where the core
-/// lies within the mesh, the shortest way out counts.
+/// Nearest points of a mesh (a) and a ball or a capsule (b). They follow from the point of b's core
+/// (centre or axis) that is nearest to the mesh, also where the two overlap. Beyond twice the reach
+/// the gap is only a bound. Where the core lies within the mesh, the shortest way out counts.
 Nearest nearest_to_round(const Part& mesh, const RoundedCore& round, double reach_m,
                          PairMemory& memory) {
   Nearest result;
@@ -325,7 +325,8 @@ Nearest CollisionDetector::Implementation::nearest(int first, int second, double
     if (round.is_exact && !is_block) return nearest_to_round(a, round, reach_m, memory);
     // While they touch, that is seen below.
     if (!memory.known() || memory.gap_m > reach_m) {
-      // How far it is is worth knowing from far away: until then nothing has to be asked.
+      // The search goes beyond the reach: no other one is needed until the bodies can have come
+      // that near.
       const double limit_m = round.radius_m + reach_m + std::min(a.radius_m, b.radius_m) / 4;
       const TriangleTree::Nearest at =
           a.tree->nearest(in_frame(a, round.core), limit_m, memory.triangle);

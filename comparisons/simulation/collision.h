@@ -10,7 +10,7 @@
 
 namespace softfinger::simulation {
 
-/// Where two bodies touch was not found; in words, with their names.
+/// Failure to find where two bodies touch; in words, with their names.
 class CollisionError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -44,7 +44,7 @@ class CollisionDetector {
   /// @throws InputError(file) when bodies overlap, see `overlaps`.
   void require_no_overlap(const Multibody& bodies);
 
-  /// How often quadrics were fitted to meshes so far.
+  /// Number of quadrics that were fitted to meshes so far.
   int fits() const;
 
  private:

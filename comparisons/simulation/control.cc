@@ -46,7 +46,7 @@ void check_keys(const json& object, const std::string& field,
       refuse(field + "." + key, value, "one of " + text::joined(known));
 }
 
-/// Of a name that is there.
+/// Index of a name, which must be one of the names.
 int place_of(const std::string& name, const std::vector<std::string>& names) {
   return int(std::find(names.begin(), names.end(), name) - names.begin());
 }

@@ -26,7 +26,8 @@ Paraboloid over_plane(const SurfacePoint& at, const Plane& plane, const Vector3d
           plane.transpose() * at.curvature_per_m * plane};
 }
 
-/// Where two paraboloids, `a` below and `b` above, are nearest to each other along the normal.
+/// Place where two paraboloids, `a` below and `b` above, are nearest to each other along the
+/// normal.
 Vector2d nearest_place(const Paraboloid& a, const Paraboloid& b) {
   const Matrix2d relative = a.curvature + b.curvature;
   const Vector2d pull = b.curvature * b.place + a.curvature * a.place - b.slope + a.slope;

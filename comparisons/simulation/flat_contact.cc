@@ -71,7 +71,7 @@ std::optional<Below> surface_below(const Part& part, const Vector3d& point, doub
   return Below{part.pose * at.on_surface, part.pose.linear() * part.tree->normal(at.triangle)};
 }
 
-/// What one of the two shapes turns to the other one.
+/// Side of one of the two shapes that faces the other one.
 struct Facing {
   Facing(const Part& of_part, const Vector3d& direction, Bearing& memory)
       : part(of_part),
@@ -137,7 +137,7 @@ struct Rim {
   double radius_m = 0;
 };
 
-/// What bounds the side of a shape that faces a direction, or the line that faces it.
+/// Outline of the side of a shape that faces a direction, or the line that faces it.
 struct Outline {
   std::vector<Edge> edges;
   std::optional<Rim> rim;
@@ -150,7 +150,7 @@ Outline outline_of(const Round&, const Facing&, double) {
   return {};
 }
 
-/// Of a box those edges of which both ends lie within reach of its farthest point.
+/// Edges of a box of which both ends lie within reach of its farthest point.
 Outline outline_of(const input::Box& box, const Facing& facing, double reach_m) {
   const Part& part = facing.part;
   const Vector3d &local = facing.local, half = box.size_m / 2;
@@ -193,7 +193,7 @@ Outline outline_of(const input::Capsule&, const Facing& facing, double) {
   return {{edge_between(facing.part, facing.bearing[0], facing.bearing[1], 0)}, std::nullopt};
 }
 
-/// Of a mesh the polygon of its bearing points, which are in order around the direction.
+/// Polygon of a mesh's bearing points, which are in order around the direction.
 Outline outline_of(const input::Mesh&, const Facing& facing, double reach_m) {
   const Vector3d& local = facing.local;
   const double least = support_point(facing.part, local).dot(local) - reach_m;
@@ -247,7 +247,7 @@ class Crossings {
         on_b.number);
   }
 
-  /// Where |c + t along - centre| = radius in the rim's plane.
+  /// Solves |c + t along - centre| = radius for t, in the rim's plane.
   void add(const Rim& rim, const Edge& edge, bool rim_is_of_a) {
     const Vector3d start = on_plane_of(rim, edge.start, normal_) - rim.centre;
     const Vector3d along = on_plane_of(rim, edge.start + edge.along, normal_) - rim.centre - start;
@@ -321,7 +321,7 @@ void find_flat_contact(const ShapePair& pair, const Nearest& nearest,
   add_bearing_points(pair, false, b, places);
   if (const Outline of_b = outline_of(b, pair.reach_m); !of_b.is_empty())
     Crossings(pair, nearest.normal, places).add(outline_of(a, pair.reach_m), of_b);
-  // Where none of these is as near as the nearest point, two edges or rims cross there.
+  // If none of these is as near as the nearest point, two edges or rims cross there.
   if (places.least_gap_m() > nearest.gap_m + places.same_m() / 10) add_nearest();
 }
 

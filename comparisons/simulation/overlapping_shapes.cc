@@ -64,7 +64,7 @@ class ColumnGrid {
 
  private:
   static constexpr int kColumns = 48;
-  /// Where in its cell a column stands: not where the edges of boxes and of regular meshes lie.
+  /// Place of a column in its cell, away from where the edges of boxes and of regular meshes lie.
   static constexpr double kPlace_x = 0.4371, kPlace_y = 0.5517;
 
   static void count_interval(const std::vector<int>& counts, double volume_m3, Overlap& result) {

@@ -9,7 +9,7 @@
 #include "comparisons/input/shape.h"
 #include "softfinger/input/contact_problem.h"
 
-/// What is kept of a simulation: poses and contacts over time, for files and for the page.
+/// Record of a simulation: poses and contacts over time, for files and for the page.
 namespace softfinger::simulation {
 
 struct RecordedBody {
@@ -32,8 +32,8 @@ struct RecordedContact {
   double eccentricity_m = 0;        ///< e_n that was used; 0: carries no torque
   double pressure_exponent = 0.5;   ///< n of the exact limit surface
   const input::FrictionLaw* friction = &input::kEllipsoidLaw;  ///< that held
-  /// How much of its friction limit the contact uses, 1 at the limit: by its law. For facets by the
-  /// ellipsoid on which their corners lie, so that a contact may slide at a little less than 1.
+  /// Share of its friction limit that the contact uses by its law, 1 at the limit. For facets by
+  /// the ellipsoid on which their corners lie, so that a contact may slide at a little less than 1.
   double utilisation = 0;
   bool slides = false;  ///< as the solver decided: at its limit, faster than 1 nm/s; it may creep
   std::string model;    ///< "rigid", or the pressure model

@@ -74,7 +74,7 @@ struct Item {
   }
 };
 
-/// By how much the nearest points are farther or less far apart than the distance says. FCL finds
+/// Difference between the distance of the nearest points and the stated distance (m). FCL finds
 /// both from the same corners. A direction between the points that is wrong by an angle changes how
 /// far apart they are by half its square.
 double mismatch_m(const ShapeDistances::Nearest& nearest) {
@@ -173,8 +173,8 @@ ShapeDistances::Nearest ShapeDistances::nearest(int a, const Isometry3d& pose_a,
   };
   const Nearest first = ask(pose_b);
   if (!(first.distance_m > 0) || belong_together(first)) return first;
-  // Of faces that are parallel to rounding it may give two points that do not belong together.
-  // Those of a shape that is turned by a little do, and the distance is known.
+  // FCL may give two points that do not belong together if faces are parallel to rounding. Those of
+  // a shape that is turned by a little do, and the distance is known.
   const Vector3d axis = Vector3d(1, 2, 3).normalized();
   Nearest best = first;
   for (const double little_rad : {1e-10, 1e-9, 1e-8, 1e-7, 1e-6}) {

@@ -127,7 +127,7 @@ class SceneContacts final : public ContactFinder {
       origin.radii = point.radii;
       add_pressure(point, rule, origin, contact);
     }
-    // Where no pressure is known, what a law makes of it is not known either.
+    // A law that needs the pressure is replaced where none is known.
     if (origin.friction->shape && !contact.shape) origin.friction = &input::kEllipsoidLaw;
     return contact;
   }

@@ -6,7 +6,7 @@
 
 namespace softfinger::simulation {
 
-/// Where two bodies touch or nearly do, and how their surfaces are curved there.
+/// Place where two bodies touch or nearly do, and the curvatures of their surfaces there.
 struct TouchingPoint {
   int a = -1, b = -1;                                 ///< bodies, a < b
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< halfway between the surfaces

@@ -24,7 +24,7 @@ std::string trajectory_csv(const Recording& recording);
 /// @throws std::out_of_range when a contact names a body that does not exist.
 std::string contacts_csv(const Recording& recording);
 
-/// The same as one object:
+/// The recording as one JSON object:
 ///   { "scene", "question", "time_step_s",
 ///     "bodies": [ { "name", "movable", "shapes": [ { "kind", sizes, "position_m",
 ///                   "quaternion_wxyz" } ] } ],      a mesh by its counts: the VTU files have it

@@ -81,7 +81,7 @@ void take_segments(const Segment& one, const Segment& other, Points& points) {
   points.take(one.from + s * d1, other.from + t * d2);
 }
 
-/// Where a segment goes through a triangle, the points are one.
+/// Takes the point where a segment goes through a triangle as the nearest one of both.
 void take_crossing(const Triangle& triangle, const Segment& segment, Points& points) {
   const Vector3d ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0];
   const Vector3d normal = ab.cross(ac);
@@ -185,7 +185,7 @@ class BlockProbe {
   }
 
  private:
-  /// Where a triangle's edge enters the block, the points are one.
+  /// Takes the point where a triangle's edge enters the block as the nearest one of both.
   void take_entry(const Segment& edge, Points& points) const {
     const Vector3d along = edge.to - edge.from;
     double enters = 0, leaves = 1;

@@ -10,9 +10,9 @@
 
 namespace softfinger::simulation {
 
-/// What is near a triangulated surface, by a tree of balls and boxes over its triangles. All in the
-/// surface's frame, in metres. A query costs the logarithm of the number of triangles, more where
-/// many are equally near.
+/// Finds what is near a triangulated surface, by a tree of balls and boxes over its triangles. All
+/// in the surface's frame, in metres. A query costs the logarithm of the number of triangles, more
+/// where many are equally near.
 class TriangleTree {
  public:
   /// @param surface  outlives the tree; has at least one triangle

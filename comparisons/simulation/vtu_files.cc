@@ -312,7 +312,8 @@ void write_vtu(const Recording& recording, const std::filesystem::path& folder, 
 
 int usual_vtu_interval(const Recording& recording, std::size_t most_bytes) {
   constexpr std::size_t kFrames = 150;
-  // Of compressed indices of three vertices, measured on meshes of scans.
+  // Bytes in a file; the compressed indices of a triangle's vertices were measured on meshes of
+  // scans.
   constexpr std::size_t kPerVertex = 2 * 3 * sizeof(float), kPerTriangle = 6;
   std::size_t bytes = 1;
   for (const RecordedBody& body : recording.bodies)

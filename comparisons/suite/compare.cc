@@ -47,7 +47,7 @@ struct LoadRun {
   std::optional<reference::ReferenceResult> reference;
   std::string failure;
 
-  /// Of a case with fewer effects than its reference, for the ladder: in words; else empty.
+  /// Name of a case with fewer effects than its reference, solved for the ladder; else empty.
   std::string idealised;
 
   std::string title() const {

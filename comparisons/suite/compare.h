@@ -13,7 +13,7 @@ struct CompareOptions {
   std::vector<std::filesystem::path> case_files;
   input::Settings settings;      ///< for each of them
   std::filesystem::path output;  ///< folder, created when missing
-  /// Of the reference where a case's [fem] leaves them open.
+  /// Idealisations of the reference where a case's [fem] leaves them open.
   reference::Idealisations idealisations;
   bool full = false;  ///< one FEM level finer than the case says, at most 3
   bool quick =

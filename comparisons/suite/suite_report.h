@@ -26,7 +26,7 @@ bool is_trusted_everywhere(const SuiteComparison& suite);
 /// report.json. Links to VTU files are relative to the folder that holds it.
 nlohmann::json report_json(const SuiteComparison& suite);
 
-/// What the page shows beside report.json: the atlas with the contacts of the suite marked, and the
+/// Content of the page beside report.json: the atlas with the contacts of the suite marked, and the
 /// theory against published measurements. These numbers are the program's own and the same in every
 /// report.
 nlohmann::json page_json(const SuiteComparison& suite);

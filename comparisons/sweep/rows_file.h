@@ -31,7 +31,7 @@ class RowsFile {
   /// @throws InputError when the disk is full
   void append(const std::string& text, std::size_t points);
 
-  /// What `is_whole` compares a finished file with. Nothing may be appended any more.
+  /// Text with which `is_whole` compares a finished file. Nothing may be appended any more.
   std::string check();
   /// Renames the finished file to results.csv.
   /// @throws InputError

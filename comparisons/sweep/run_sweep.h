@@ -36,7 +36,7 @@ class SweepWorkers {
  public:
   virtual ~SweepWorkers() = default;
 
-  /// How many jobs run side by side.
+  /// Number of jobs that run side by side.
   virtual int parallel() const = 0;
 
   /// Runs finite-element jobs and writes each result to the job's file.

@@ -58,7 +58,7 @@ void append_reference(const reference::ReferenceResult& result, std::string& tex
     append_number(stated.value_or(NAN), text);
 }
 
-/// Of a job, see FemRequest. Finite strain, contacts without symmetry and fine levels cost
+/// Weight of a job, see FemRequest. Finite strain, contacts without symmetry and fine levels cost
 /// most.
 double weight_of(const input::Case& contact_case, const RelativeRadii& radii) {
   const double level = std::pow(4., contact_case.fem_level);
@@ -77,8 +77,7 @@ std::vector<const PressureModel*> sweep_models(const Sweep& sweep) {
   if (!models.empty()) return models;
   const input::Case& base = sweep.base();
   for (const PressureModel* model : prediction::models_by_name("all")) {
-    if (model->card().name == "power_law" && !(base.options.power_law.radius_coefficient > 0))
-      continue;
+    if (model->card().is_empirical && !(base.options.power_law.radius_coefficient > 0)) continue;
     models.push_back(model);
   }
   return models;

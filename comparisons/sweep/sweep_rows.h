@@ -39,7 +39,7 @@ class SweepRows {
 
   /// Appends the rows of a point, one per load. A row without contact says why in `failure`.
   void append(std::size_t point, std::string& text) { append(point, nullptr, {}, text); }
-  /// The same with the finite elements' results.
+  /// Appends the rows of a point with the finite elements' results.
   /// @param failures  for each job why it has no result, else empty
   void append(std::size_t point, const SweepFemJobs& fem, const std::vector<std::string>& failures,
               std::string& text) {
@@ -50,8 +50,8 @@ class SweepRows {
     reference::FemProblem problem;
     double weight = 0;  ///< a rough estimate of the cost
   };
-  /// What the finite elements are asked, the case's full reference, one request per load; none
-  /// where the bodies make no contact.
+  /// Requests to the finite elements for the case's full reference, one per load; none where the
+  /// bodies make no contact.
   std::vector<std::optional<FemRequest>> fem_requests(std::size_t point);
 
  private:

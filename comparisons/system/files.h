@@ -18,7 +18,8 @@ namespace softfinger::system {
 std::string read_text_file(const std::filesystem::path& path,
                            std::size_t most_bytes = std::string::npos);
 
-/// The same for a file that the program writes again itself, such as a finished result.
+/// Reads a file that the program writes again itself, such as a finished result; it is not noted as
+/// an input.
 std::string read_file_to_rewrite(const std::filesystem::path& path,
                                  std::size_t most_bytes = std::string::npos);
 
@@ -32,7 +33,7 @@ const std::string& read_standard_input(std::size_t most_bytes);
 /// @throws InputError naming the file and the reason
 void write_file_atomically(const std::filesystem::path& path, const std::string& content);
 
-/// The same for files that belong together: all are written before the first is renamed.
+/// Writes files that belong together: all are written before the first is renamed.
 void write_files_together(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 /// Names an output before inputs are read: an input that is the same file is then refused before
@@ -97,8 +98,8 @@ class OutputFolder {
 /// @throws InputError when it cannot take the text (a full disk behind a redirection).
 void write_to_stdout(const std::string& text);
 
-/// The same for text that people read. Control characters from names and paths are made visible, as
-/// they could otherwise control the terminal (visible_text). On a terminal titles are bold.
+/// Writes text that people read. Control characters from names and paths are made visible, as they
+/// could otherwise control the terminal (visible_text). On a terminal titles are bold.
 void write_text_to_stdout(const std::string& text);
 
 }  // namespace softfinger::system

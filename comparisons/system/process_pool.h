@@ -52,7 +52,7 @@ struct Interrupted : std::runtime_error {
   int signal;
 };
 
-/// What SIGINT does to the children.
+/// Effect of SIGINT on the children.
 enum class OnInterrupt {
   stop,   ///< ends them, like SIGTERM
   finish  ///< passes it on, starts no more and waits for results; a second SIGINT ends them

@@ -36,15 +36,15 @@ std::vector<std::filesystem::path> builtin_case_files();
 /// input.
 std::filesystem::path find_case_file(const std::string& typed);
 
-/// The same for scenes.
+/// Scenes: the built-in ones, and one as typed on the command line.
 std::vector<std::filesystem::path> builtin_scene_files();
 std::filesystem::path find_scene_file(const std::string& typed);
 
-/// The same for sweeps.
+/// Sweeps, likewise.
 std::vector<std::filesystem::path> builtin_sweep_files();
 std::filesystem::path find_sweep_file(const std::string& typed);
 
-/// The same for data sets of published measurements.
+/// Data sets of published measurements, likewise.
 std::vector<std::filesystem::path> builtin_experiment_files();
 std::filesystem::path find_experiment_file(const std::string& typed);
 

@@ -15,7 +15,7 @@ class Progress {
 
   /// A line that stays.
   void say(const std::string& line);
-  /// The same for an error, which quiet does not hide: "softfinger: error: ...".
+  /// An error, which quiet does not hide: "softfinger: error: ...".
   void fail(const std::string& line);
   /// The present state, shown only on a terminal and cut to its width; the next line replaces it.
   void show(const std::string& line);

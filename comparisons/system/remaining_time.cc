@@ -15,8 +15,8 @@ double RemainingTime::workers() const {
 
 void RemainingTime::finished(double expected_s, std::optional<double> took_s, double now_s) {
   const double busy_s = now_s * workers();
-  // Of w jobs that began one after the other, evenly spread, the first to end has 2/(w + 1) of what
-  // they have used together.
+  // If w jobs began one after the other, evenly spread, the first to end has taken 2/(w + 1) of the
+  // time that they have used together.
   used_s_ += took_s.value_or(std::max(0., busy_s - used_s_) * 2 / (workers() + 1));
   jobs_ -= std::min<std::size_t>(1, jobs_);
   to_do_s_ = std::max(0., to_do_s_ - expected_s);

@@ -5,9 +5,9 @@
 
 namespace softfinger::system {
 
-/// How long a set of jobs still takes, from expected times that need only be right among
-/// themselves: what the finished ones took corrects the pace, and what the running ones have used
-/// so far counts as done. Between two ends the time counts down.
+/// Estimate of how long a set of jobs still takes. The expected times need only be right among
+/// themselves: what the finished jobs took corrects the pace, and what the running ones have used
+/// so far counts as done. Between the ends of two jobs the time counts down.
 class RemainingTime {
  public:
   /// @param jobs        number of jobs

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-/// What the person at the terminal wants to see.
+/// Settings of the person at the terminal: quiet, colours, width.
 namespace softfinger::system {
 
 /// Without remarks and progress on standard error: errors alone.

@@ -18,6 +18,10 @@ std::string skeleton(const std::string& line) {
     }
     if (letter == '"') is_quoted = !is_quoted;
     if (is_quoted) continue;
+    // A sign belongs to its number.
+    if (letter == '-' && i + 1 < line.size() &&
+        std::isdigit(static_cast<unsigned char>(line[i + 1])))
+      continue;
     const bool is_digit = std::isdigit(static_cast<unsigned char>(letter)) != 0;
     is_number = is_digit || (is_number && (letter == '.' || letter == 'e' || letter == '-'));
     if (is_digit && (result.empty() || result.back() != '0')) result += '0';

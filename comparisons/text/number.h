@@ -12,7 +12,7 @@ namespace softfinger::text {
 /// number, a number that a double cannot hold.
 std::optional<double> read_number(std::string_view text);
 
-/// The same for a whole number: "-2", "10".
+/// Reads a whole number by the same rules: "-2", "10".
 std::optional<long long> read_whole_number(std::string_view text);
 
 /// The numbers between commas, which may have blanks around them: "1, 5". Null if any of them is

@@ -151,7 +151,7 @@ Outcome<ContactShape, Unmeasured> from_nodes(const NodalContact& contact) {
     shape.cell = std::sqrt(face.size_x * face.size_y);
   }
   const double cell = contact.regular ? shape.cell : mean_cell(pressure);
-  // The same everywhere: taken off as a share of the radius, ellipses would become too round.
+  // The shift is the same all around: a share of the radius would make ellipses too round.
   for (Eigen::Matrix2Xd& points : shape.outlines) {
     Eigen::Matrix2Xd moved = moved_left(points, contact.outline_outside * cell);
     if (is_cut) keep_on_edge(contact, points, moved);

@@ -151,7 +151,7 @@ LayerDiscretisation first_guess(const Pressing& pressing) {
   if (pressing.fingertip) {
     guess.reach_x = pressing.bent.reach_x;
     guess.reach_y = pressing.bent.reach_y;
-    // What lies beyond is known from a free and a clamped wall.
+    // A free and a clamped wall bound what lies beyond this extent.
     constexpr double enough = 3.5;
     guess.is_scan = pressing.bent.is_scan;
     if (guess.is_scan) guess.extent = enough;

@@ -360,7 +360,7 @@ std::optional<PressureFit> fit_pressure(const NodalPressure& pressure, const Con
       found.push_back(*candidate);
       validated = std::min(validated, candidate->validated);
     }
-  // Of fits that are as good as any, within the discretisation's noise, the simplest.
+  // The simplest fit is taken of those that are as good as any, within the discretisation's noise.
   constexpr double as_good = 1.15;
   found.erase(
       std::remove_if(found.begin(), found.end(),

@@ -27,7 +27,7 @@ struct NodalPressure {
   const std::vector<SurfaceFace>& faces;
   const Eigen::VectorXd& force;  ///< per node, along the surface's normal
   bool layered = false;          ///< of several materials: the pressure may be any
-  /// Where the surface is deformed: the pressure is then that on the deformed surface, and the
+  /// Deformation of the surface, if any: the pressure is then that on the deformed surface, and the
   /// distance from the centre is measured there, along each ray. (On the undeformed surface the
   /// force per area is pressure times stretch. Both fall as a square root at the edge, and their
   /// product does not.) The edge that is found is still that of the undeformed faces.

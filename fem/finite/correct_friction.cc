@@ -63,7 +63,7 @@ class Corrector {
 
   FrictionCorrection run() {
     const Stopwatch watch;
-    // What the coarser mesh is told does not depend on what the other one finds.
+    // Neither mesh's solution depends on what the other one finds, so the two can run side by side.
     Solving solving(correcting_.mesh, correcting_.progress), of_coarser;
     OnMesh on_mesh;
     OnCoarser on_coarser;
@@ -131,7 +131,7 @@ class Corrector {
     // friction.
     if (correcting_.coarser) result.superposed = superposed_twist(solving);
     SolvedSlides slides = slides_on(solving, 1);
-    // Where the twist ended all points slip.
+    // All points slip at the end of the twist, so that state is a good guess.
     result.turn = slides.of({0, 0, 1}, solving.end ? &*solving.end : nullptr);
     result.aim = slides.aim();
     solving.count(slides);
@@ -304,7 +304,8 @@ class Corrector {
       } catch (const ConvergenceError& failure) {
         solving.tell(formatted("friction%s: not solved to the end: %s", on, failure.what()));
       }
-      // Where it does not go on, what is left out grows at most with the square of friction.
+      // Beyond the last solved state, what superposition leaves out grows at most with the square
+      // of friction.
       FrictionState change = state;
       change.wrench = {};
       path.guessed = std::max(path.guessed, path.solved == 0 ? 1.0 : 0.0);

@@ -172,8 +172,8 @@ ElementLinearisation linearise_in(const ElementGeometry& geometry, const Materia
   result.deformation = deformations(geometry, displacement);
   Eigen::Vector4d volume = Eigen::Vector4d::Zero(), pressure = Eigen::Vector4d::Zero();
   Eigen::Matrix4d stiffness_of_volume = Eigen::Matrix4d::Zero();
-  // What the gradients are multiplied by at the points, so that sums over these are products of
-  // large matrices: for forces the stress, and for int phi_k dJ the cofactor times phi_k.
+  // Factors of the gradients at the points, so that sums over these are products of large matrices:
+  // for forces the stress, and for int phi_k dJ the cofactor times phi_k.
   Eigen::MatrixXd stresses(3 * points, 15);
   TangentSum<Scalar> tangents(all_gradients);
 

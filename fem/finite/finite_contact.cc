@@ -155,7 +155,7 @@ class FiniteContact : public ContactPhysics {
       slip(SuperposedSlide(*pressing_, bound(), tangent), plan->velocities, result);
     else if (!plan->velocities.empty())
       slip(SuperposedSlide(*pressing_, bound()), plan->velocities, result);
-    // What superposed motions neglect is found on the coarse mesh, where it is worth the work.
+    // The correction of superposed motions is solved on the coarse mesh, if it is worth the work.
     constexpr double worthwhile = 0.002;
     const bool matters =
         std::max(result.neglected_of_twist, result.neglected_of_slide) > worthwhile;
@@ -315,7 +315,7 @@ class FiniteContact : public ContactPhysics {
     }
     const double unit_of_force_N = E_ * h_ * h_;
     result.max_force_N = largest_force() * unit_of_force_N;
-    // Of a turn about the pressure's centre.
+    // The turn is about the pressure's centre, and so is the torque.
     const Eigen::Vector2d& centre = contact_.centre;
     const FrictionWrench turning = slide(*pressing_, bound(), {centre.y(), -centre.x(), 1});
     const double torque =

@@ -69,7 +69,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   std::unique_ptr<TangentAssembly> tangent;  ///< of these; null before it is needed
 
   State state;
-  // Of the latest linearisation:
+  // The latest linearisation:
   std::vector<NodeFrame> frames;
   std::vector<ElementBalance> balances;
   Eigen::VectorXd residual;  ///< of the free unknowns, in the frames, with the contact forces
@@ -80,7 +80,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   Eigen::MatrixXd held;        ///< stiffness of these with the springs
   Eigen::VectorXd forward;     ///< half of the solution for the residual
   double shift = 0;
-  // Of the latest step:
+  // The latest step:
   State start;
   dealii::Vector<double> step;
 
@@ -704,8 +704,8 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
   auto& self = *implementation_;
   const auto& from = *other.implementation_;
   const CellFinder finder(from.dofs);
-  // What is meshed of the other layer may be one image of this one: its fields are even about the
-  // mirror planes, and a displacement across a plane is odd.
+  // The other layer may mesh a single image of this one: its fields are even about the mirror
+  // planes, and a displacement across a plane is odd.
   const std::array<bool, dim> folds{from.planes.x && !self.planes.x,
                                     from.planes.y && !self.planes.y, false};
   const auto folded = [&](dealii::Point<dim> at) {

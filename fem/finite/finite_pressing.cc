@@ -176,7 +176,7 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
       // The longest step comes first: the tangent far beyond it may have no contact that bears the
       // load, and then no shorter step would help.
       const double load = copies() * solve({0, farthest}).force.sum();
-      // Where the load falls as the approach grows, no equilibrium with a larger load is near.
+      // If the load falls as the approach grows, no equilibrium with a larger load is near.
       if ((load - equilibrium_.load) * longest <= 0) return false;
       if ((drive.load - load) * longest > 0)
         target = {0, equilibrium_.approach + longest / kStretch};

@@ -151,7 +151,7 @@ class FrictionalPressing {
   Eigen::Matrix3Xd force_;  ///< per node: along the tangents of its frame, and into the layer
   double approach_ = 0;
   PlaneMotion motion_;
-  // Of the last increment's end:
+  // State at the end of the last increment:
   std::shared_ptr<const FiniteLayer::State> kept_state_;
   Eigen::Matrix3Xd kept_force_, kept_position_;
   double kept_approach_ = 0;

@@ -43,9 +43,9 @@ class SolvedSlides {
   /// @throws EdgeLeftMargin with room
   Neglected of(const PlaneMotion& velocity, const FrictionalPressing::State* guess = nullptr);
 
-  /// Of many velocities, in an order that makes the way between them short; of more than
-  /// `most_solved` these are solved, evenly spread, and the others' is linear in the wrench, by
-  /// least squares: a rough guess, because what is neglected turns faster than the wrench does.
+  /// Solves for many velocities, in an order in which neighbours are close. At most `most_solved`
+  /// are solved, evenly spread. The others' result is linear in the wrench, by least squares: a
+  /// rough guess, because the neglected part turns faster than the wrench does.
   /// @param spread  raised by the largest misfit of that guess, relative
   std::vector<Neglected> of(const std::vector<PlaneMotion>& velocities, double& spread);
   static constexpr std::size_t most_solved = 24;

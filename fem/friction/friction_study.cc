@@ -97,7 +97,7 @@ QuarterCompliances friction_compliances(const PressedContact& contact, Invarianc
   std::vector<int> chosen;
   const auto& nodes = contact.model.nodes();
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    // What bears load takes part, even where a finer mesh alone has found an island.
+    // A node that bears load takes part, even on an island that a finer mesh alone has found.
     const bool bears_load = contact.force[static_cast<Index>(i)] > 0;
     if (relative_radius(contact, nodes[i].x, nodes[i].y) <= rim(contact) &&
         (bears_load || is_in_region(contact.region, nodes[i], contact.model.discretisation())))

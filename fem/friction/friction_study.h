@@ -26,9 +26,10 @@ struct PressedContact {
   /// Per node of the model, see `strength_share`; empty for Coulomb's law.
   Eigen::VectorXd strength_share{};
   double edge = 1;  ///< relative radius of the frictionless contact's edge, where it is no ellipse
-  /// How far the edge may move while friction moves the pressure, in cells of the refined patch.
+  /// Distance by which the edge may move while friction moves the pressure, in cells of the refined
+  /// patch.
   double margin = 1;
-  /// Where a coarser mesh tells that it may touch; empty: wherever the margin lets it.
+  /// Region that may touch, known from a coarser mesh; empty: wherever the margin lets it.
   TouchedRegion region{};
 };
 

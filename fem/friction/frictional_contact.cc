@@ -42,8 +42,8 @@ FrictionalContact::FrictionalContact(const SurfaceCompliance& surface, const Eig
 template <class TangentialSolver>
 void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_tangential) {
   constexpr int limit = 60;
-  // Of the load. What is found is nearer than its last change by the rate of the settling, about a
-  // tenth: far below the discretisation's error.
+  // Share of the load. The result is nearer than its last change by the rate of the settling, about
+  // a tenth: far below the discretisation's error.
   constexpr double tolerance = 1e-5;
   // Limits that still change need no exact shear.
   constexpr double coarsest = 1e-3, share_of_change = 1e-2;
@@ -59,7 +59,8 @@ void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_
     const Eigen::VectorXd lift = product_with_zeros(surface_.normal_tangential, tangential_);
     found = solve_normal_contact(surface_.normal, gap_ + lift, load_, &found, &touching_);
     change = (found.force - normal_.force).cwiseAbs().sum() / load_;
-    // Where shear hardly moves the pressure the first turn would do: its shear is too coarse.
+    // A small change alone is not enough: if shear hardly moves the pressure, the first iteration
+    // has it, with a shear that is too coarse.
     if (change <= tolerance && precision <= share_of_change * tolerance) {
       normal_ = std::move(found);
       return;

@@ -17,7 +17,8 @@ struct Point {
   Image image;
 };
 
-/// Of each problem, in the order of QuarterCompliances. Only about a mirror plane a field is odd.
+/// Parities of the problems, in the order of QuarterCompliances. A field is odd only about a mirror
+/// plane.
 std::vector<Parity> parities_for(MirrorPlanes planes, Invariance fewest) {
   std::vector<Parity> parities{{false, false}};
   if (planes.any()) parities.push_back({planes.x, planes.y});

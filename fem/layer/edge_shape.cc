@@ -89,7 +89,8 @@ EdgeShape::Side EdgeShape::follow_edge_from(const std::vector<std::optional<doub
   if (!at(start)) return {};
   int last = start;
   while (goes_on(last + 1)) ++last;
-  // Where it is nearest to the axis through the first touch it is to lie on a line.
+  // The edge shall lie on a line of the mesh at the place nearest to the axis through the first
+  // touch.
   const int middle = std::clamp(0, start, last);
   // Beyond the contact, or else all of the way.
   for (const double from :

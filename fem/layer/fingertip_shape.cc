@@ -239,7 +239,7 @@ meshes::SmoothSurface::Point find_first_touch(const meshes::SmoothSurface& surfa
 
 FingertipShape shape_scan(const Fingertip& fingertip, double thickness_m, const Reading& reading,
                           CoreWays ways) {
-  // What is smaller than half the thickness is noise or a feature that a layer levels.
+  // Features below half the thickness are noise, or a layer levels them.
   constexpr double width = 0.5;
   meshes::Smoothing smoothing{width * thickness_m, 60 * M_PI / 180, farthest_facet * thickness_m};
   smoothing.widening = reading.smoothing;

@@ -183,7 +183,7 @@ void LayerModel::Implementation::factorise(const Rubs& rubs) {
     normals.push_back(static_cast<Eigen::Index>(last.size()) - 1);
   }
   SparseSymmetricMatrix matrix = lower_triangle(pattern, even);
-  // Of the entries' values the order of elimination does not know.
+  // The order of elimination does not depend on the values of the entries.
   side_by_side(
       [&] {
         assemble();

@@ -306,7 +306,7 @@ std::vector<char> LayerSpace::dofs_on_walls(Walls walls) const {
       if (on_mirror || at(centre[2], 0) || at(centre[2], -1)) continue;
       const bool on_edge = is_on_edge(face);
       if (walls == Walls::on_edges ? !on_edge : on_edge) continue;
-      // Where the finger ends, its layer ends freely.
+      // The layer ends freely at the end of the finger.
       if (walls == Walls::inside && is_at_rim(centre, cell->center())) continue;
       face->get_dof_indices(indices);
       for (const auto dof : indices) result[dof] = 1;

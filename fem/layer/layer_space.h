@@ -44,8 +44,8 @@ struct Unknowns {
 struct LayerSpace {
   using Dof = dealii::types::global_dof_index;
 
-  /// Where a scan's layer folds everywhere at the contact, `folded` says so, and nothing else may
-  /// be asked.
+  /// If a scan's layer folds everywhere at the contact, `folded` says so, and nothing else may be
+  /// asked.
   /// @param bent      null: flat
   /// @param mirrored  at these planes only one side is meshed
   LayerSpace(const LayerDiscretisation& meant, const std::shared_ptr<const LayerShape>& bent,

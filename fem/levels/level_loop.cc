@@ -21,7 +21,7 @@
 namespace softfinger::fem {
 namespace {
 
-/// Where the load is not reached on the coarse level, both have this many times the usual cells.
+/// Factor on the usual number of cells of both levels, if the coarse one does not reach the load.
 constexpr int finer_levels = 2;
 /// Largest patch, over the usual one, where friction moves the contact's edge out of it.
 constexpr double roomiest_patch = 2.5;
@@ -75,7 +75,7 @@ class LevelLoop {
     if (task_.stop()) throw Interrupted();
     if (const auto unsolved = solve_level(problem_.level - 1)) return unsolved;
     if (!wall_is_near(measured_on_)) return solve_finer_level();
-    // What the finer level asks for does not depend on the wall.
+    // The finer level does not depend on the wall, so both can be solved side by side.
     const auto press_other = physics_.press_other();
     const LevelResult free = solved_.coarse();
     const LayerDiscretisation mesh =
@@ -112,7 +112,7 @@ class LevelLoop {
     if (!is_pressed) {
       if (!physics_.shares_meshes()) refine(level);
       std::optional<Obstacle> obstacle = physics_.press(mesh_, level);
-      // What a fine trial mesh bore, a coarser one may not.
+      // A coarser mesh may not bear a load that a fine trial mesh bore.
       const bool may_be_finer =
           trial_.refinement > 1 && level_refinement_ == 1 && solved_.results.empty();
       if (obstacle && std::holds_alternative<NotReached>(*obstacle) && may_be_finer) {

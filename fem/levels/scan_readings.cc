@@ -35,7 +35,7 @@ Outcome<RelativeError, std::string> change_by(const Reading& reading, CoreWays w
                                               const OrderedProgress& tell) {
   Pressing other = task.pressing;
   other.bent = start.shape(reading, ways);
-  // What starts from this contact has its coordinates.
+  // Solutions that start from this contact have its coordinates.
   const Eigen::Vector2d& centre = task.pressing.bent.centre;
   if (!centre.isZero(0)) other.bent = other.bent.seen_from(centre);
   const ContactTask other_task{task.problem, other, tell, task.stop};

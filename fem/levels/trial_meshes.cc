@@ -23,12 +23,13 @@ const double room_of_trial_patch = std::log(1.25);
 /// After so many trials a mesh serves whose patch has room for the contact: the outline of a scan's
 /// contact may jump by a node from one mesh to the next for ever. Twice as many as most need.
 constexpr int most_strict_trials = 7;
-/// Where the load is not reached, a trial mesh has up to this many times the usual cells.
+/// Largest factor on the usual number of cells of a trial mesh that does not reach the load.
 constexpr int finest_trial = 3;
 /// After this trial the next mesh lies half-way to what was found: coarse cells may tell one size
 /// on another's mesh in turn.
 constexpr int whole_way = 3;
-/// Where the load was not reached, a mesh is worth another try if its size changes by this share.
+/// Least relative change of its size for which a mesh that did not reach the load gets no finer
+/// cells yet.
 constexpr double worth_another = 0.25;
 
 void keep_guess_sensible(LayerDiscretisation& mesh) {

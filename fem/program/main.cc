@@ -160,7 +160,8 @@ void keep_freed_memory() {
 int answer_file(const std::string& path) {
   const json input = fem::parse_problems(read(path), path == "-" ? "standard input" : path);
   stop_when_convenient();
-  // What runs side by side needs its memory at the same time: how much there is would decide.
+  // Tasks side by side need their memory at the same time: how much is available would otherwise
+  // decide about the answer.
   constexpr double enough_for_two_MB = 4096;
   std::optional<fem::ThreadLimit> one_thread;
   if (fem::available_memory_MB() < enough_for_two_MB) one_thread.emplace(1);
@@ -184,7 +185,7 @@ int main(int argument_count, char** arguments) {
   const auto failure = failure_of([&] { exit_status = answer_file(arguments[1]); });
   if (!failure) return exit_status;
   std::cerr << "softfinger-fem: " << softfinger::visible_text(failure->message) << std::endl;
-  // Where memory is short a thread of OpenBLAS may ask for it in an endless loop: an ordinary exit
+  // A thread of OpenBLAS may ask for memory in an endless loop where it is short: an ordinary exit
   // would wait for that thread.
   std::_Exit(failure->exit_status);
 }

@@ -99,7 +99,7 @@ class Entry {
   std::string text() const {
     if (value_->is_string()) {
       const auto& text = value_->get_ref<const std::string&>();
-      // What follows a zero would be lost in a file's name.
+      // A file's name ends at a zero: the rest would be lost.
       if (text.size() <= kLongestText && text.find('\0') == std::string::npos) return text;
     }
     refuse("a text of at most " + std::to_string(kLongestText) + " bytes, without zeros");
@@ -176,7 +176,7 @@ Fingertip read_fingertip(const Entry& input, const MeshReaders& readers) {
     const Entry pad = input.at("pad");
     const std::string shape =
         pad.at("shape").choice({"paraboloid", "ellipsoid", "sphere", "tapered", "mesh"});
-    // What tells about the frame's error only makes no other pad.
+    // An entry that describes only the frame's error makes no other pad.
     fingertip.pad_name = pad.dump_without("region_excess");
     const std::vector<Entry> radii = pad.at("radii_m").list(2, 2);
     const double x = radii[0].radius(), y = radii[1].radius(), turn_rad = turn_of(pad);

@@ -1,5 +1,5 @@
-// How often finite elements answer on real fingers: presses random points of the pads of generated
-// fingers and of the scans that it is given.
+// Counts how often finite elements answer on real fingers: presses random points of the pads of
+// generated fingers and of the scans that it is given.
 
 #include <fmt/core.h>
 
@@ -303,7 +303,7 @@ void survey(const Options& options) {
     if (press(problem, tells, answers)) {
       ++answered;
     } else if (!options.finite) {
-      // Where small strain ends the finger does not: it is pressed once more.
+      // A contact beyond small strain is pressed once more, at finite strain.
       problem.finite_strain = fem::MaterialChoice();
       fmt::print("    at finite strain: ");
       if (press(problem, tells, answers)) ++answered_at_finite_strain;

@@ -40,7 +40,7 @@ Checks check_stated_errors(const Checks& checks) {
   for (const Check& check : checks) {
     if (!check.stated_error) continue;
     inside += check.inside_stated();
-    // Where the reference's own error is as large as the difference, the ratio has no meaning.
+    // The ratio has no meaning if the reference's own error is as large as the difference.
     if (std::abs(check.error()) > check.reference_error)
       ratios.push_back(*check.stated_error / std::abs(check.error()));
   }

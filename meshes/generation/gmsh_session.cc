@@ -11,7 +11,7 @@ int open_sessions = 0;
 
 /// Keeps gmsh from changing files of the user.
 /// - gmsh's graphics library FLTK rewrites its preference files when it first reads them. These are
-///   the user's, and for root those in /etc. Here FLTK is told that they have been read.
+///   the user's, and for root those in /etc. Here FLTK is made to believe that they have been read.
 /// - At its end gmsh removes a file of its own from the home folder. It is given a home folder
 ///   that cannot contain files.
 void leave_the_users_files_alone() {

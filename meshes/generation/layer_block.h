@@ -29,7 +29,7 @@ struct LayerBlock {
   double length_x = 6, length_y = 6;  ///< > inner
   double cell_x = 0.5, cell_y = 0.5;  ///< cell size in the uniform part
   double growth = 1.4;                ///< ratio of neighbouring cells in the graded part, > 1
-  /// From the surface inwards. Each cell lies in one sublayer.
+  /// Sublayers from the surface inwards. Each cell lies in one sublayer.
   std::vector<BlockSublayer> sublayers = {{}};
 };
 

@@ -103,7 +103,7 @@ std::array<int, count> sorted(std::array<int, count> vertices) {
   return vertices;
 }
 
-/// Where the z axis meets a triangle.
+/// Returns the height z at which the z axis meets a triangle; none where it misses.
 std::optional<double> height_on_axis(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                      const Eigen::Vector3d& c) {
   const auto twice_area = [](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
@@ -116,7 +116,7 @@ std::optional<double> height_on_axis(const Eigen::Vector3d& a, const Eigen::Vect
   return (parts.x() * a.z() + parts.y() * b.z() + parts.z() * c.z()) / whole;
 }
 
-/// The highest place where the z axis meets the faces.
+/// Returns the largest height at which the z axis meets the faces; none where it misses all.
 std::optional<double> highest_on_axis(const HexahedralMesh& mesh,
                                       const std::vector<std::array<int, 4>>& faces) {
   std::optional<double> highest;

@@ -15,8 +15,8 @@ struct LayerMesh {
   /// Faces by their vertices, in order around the face: where an object can touch, and where the
   /// layer is bonded to the rigid core. All other faces are free.
   std::vector<std::array<int, 4>> contact, core;
-  /// How thick it is under the contact: between both on the z axis. None where one of them does not
-  /// cross it.
+  /// Thickness under the contact: distance between both surfaces along the z axis. None where the
+  /// axis misses one of them.
   std::optional<double> thickness_m;
 };
 

@@ -75,7 +75,7 @@ class TaperedPad : public PadSurface {
   }
 
   std::optional<SurfaceHit> meet(const Vector3d& from, const Vector3d& direction) const override {
-    // Where the line leaves the box around the body.
+    // Finds the t at which the line leaves the box around the body.
     double enter = -std::numeric_limits<double>::infinity(), t = -enter;
     for (int i = 0; i < 3; ++i) {
       if (direction[i] == 0) {

@@ -17,10 +17,10 @@ class PadSurface {
  public:
   virtual ~PadSurface() = default;
 
-  /// Where the line from + t direction, with t of either sign, leaves the finger: the crossing at
-  /// which direction . normal > 0. A convex body has at most one. On a triangulated surface the one
-  /// nearest to `from` counts, so that other parts of the finger and inner walls are ignored. Null
-  /// if the line does not meet the finger. `direction` may have any length except zero.
+  /// Returns the point where the line from + t direction, with t of either sign, leaves the finger:
+  /// the crossing at which direction . normal > 0. A convex body has at most one. On a triangulated
+  /// surface the one nearest to `from` counts, so that other parts of the finger and inner walls
+  /// are ignored. Null if the line misses the finger. `direction` may have any length except zero.
   virtual std::optional<SurfaceHit> meet(const Eigen::Vector3d& from,
                                          const Eigen::Vector3d& direction) const = 0;
 

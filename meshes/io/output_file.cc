@@ -52,7 +52,7 @@ int own_descriptor(const std::string& path) {
   return std::stoi(name);
 }
 
-/// Where a path leads.
+/// Destination of a path after all links have been followed.
 struct Target {
   std::string path;
   int own_descriptor = -1;           ///< it is an open file of this process
@@ -246,7 +246,7 @@ void write_files(const std::vector<std::pair<std::string, std::string_view>>& co
   std::vector<std::unique_ptr<OutputFile>> files;
   files.reserve(contents.size());
   for (const auto& [path, content] : contents) files.push_back(std::make_unique<OutputFile>(path));
-  // What was written to a device or a pipe cannot be taken back: these come last.
+  // Output to a device or a pipe cannot be withdrawn: it comes last.
   for (const bool direct : {false, true})
     for (std::size_t i = 0; i < files.size(); ++i) {
       if (files[i]->is_direct() != direct) continue;

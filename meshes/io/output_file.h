@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-/// The one way in which the programs write files (a test looks for others).
+/// Output files: the only code by which the programs write files (a test looks for others).
 ///
 /// - A regular file is replaced as a whole: the content is written under a random name in the same
 ///   folder, synced and renamed, so that a reader sees the old content or the new one, even after a

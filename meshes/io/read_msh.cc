@@ -354,7 +354,7 @@ class Parser {
     if (binary_) end_line();
     reserve_elements(checked("number of elements", count, 4, 2 * sizeof(std::int32_t)));
     while (file_.elements.size() < count) {
-      // In text an element's number comes first and each is a block of its own.
+      // In a text file each element begins with its number and is a block of its own.
       std::size_t element = binary_ ? 0 : tag("element");
       const MshShape& type = shape(number<int>("type of element"));
       const int block = binary_ ? number<int>("elements of a block") : 1;

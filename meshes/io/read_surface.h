@@ -37,9 +37,9 @@ struct SurfaceFile {
 /// nearer to a fingertip's 15 mm on a logarithmic scale.
 double guessed_metres_per_unit(double width_in_file);
 
-/// What was done to the file's triangles, for a note: "3 degenerate and 1 duplicate triangles were
-/// left out; 12 of 800 triangles faced the other way than their neighbours and were turned", or
-/// empty.
+/// Returns a note on the changes to the file's triangles: "3 degenerate and 1 duplicate triangles
+/// were left out; 12 of 800 triangles faced the other way than their neighbours and were turned",
+/// or an empty string.
 std::string repairs(const SurfaceFile& file);
 
 /// Reads binary or ASCII STL, or OBJ (polygons are cut into triangles), scales it to
@@ -57,7 +57,8 @@ std::string repairs(const SurfaceFile& file);
 /// or smaller than 10 micrometres across, which is a wrong unit.
 SurfaceFile read_surface(const std::string& path, std::optional<double> metres_per_unit);
 
-/// The same for a file's bytes in memory; `path` is used in messages and for its ending.
+/// Reads a file's bytes from memory as `read_surface` does; `path` is used in messages and for its
+/// ending.
 SurfaceFile parse_surface(std::string bytes, const std::string& path,
                           std::optional<double> metres_per_unit);
 

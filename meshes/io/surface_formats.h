@@ -13,7 +13,7 @@ namespace softfinger::meshes {
 /// Sizes in a binary STL, bytes.
 constexpr std::size_t kStlHeader = 84, kStlTriangle = 50;
 
-/// For messages.
+/// Allowed files, for messages.
 constexpr const char* kAllowedSurface = "a readable STL (binary or ASCII) or OBJ file";
 
 /// A file's triangles as it writes them: vertices may repeat, in the file's unit. Coordinates are
@@ -24,7 +24,7 @@ struct RawSurface {
   std::vector<int> lines;  ///< of the vertices, from 1; empty in a binary STL
 };
 
-/// Where a vertex is and what to call it, for messages: ("tip.obj:17", "vertex") or ("tip.stl",
+/// Returns the place and the name of a vertex for messages: ("tip.obj:17", "vertex") or ("tip.stl",
 /// "vertex 2 of triangle 7").
 std::pair<std::string, std::string> place_of_vertex(const RawSurface& surface, int vertex,
                                                     const std::string& path);

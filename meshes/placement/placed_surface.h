@@ -9,7 +9,7 @@
 
 namespace softfinger::meshes {
 
-/// Where a line leaves a surface.
+/// Point where a line leaves a surface.
 struct SurfaceHit {
   Eigen::Vector3d point;   ///< contact frame, in the surface's unit
   Eigen::Vector3d normal;  ///< unit, out of the body

@@ -108,8 +108,8 @@ class Layer {
     return added;
   }
 
-  /// As rigid as possible: turns the lattice of each corner of each cell as its nodes lie, and
-  /// finds the nodes whose edges are nearest to those.
+  /// Relaxes the cloth as rigidly as possible: turns the lattice at each corner of each cell to fit
+  /// its nodes, and finds the nodes whose edges are nearest to those of the turned lattices.
   void relax(int times) {
     number_nodes();
     for (int time = 0; time < times; ++time) {

@@ -7,7 +7,7 @@
 
 namespace softfinger::meshes {
 
-/// Why a cloth ends at a node.
+/// Reason why a cloth ends at a node.
 enum class ClothEnd : char {
   none,    ///< it does not: the node lies on the surface
   edge,    ///< at a sharp edge of the surface, beyond which it is continued a little

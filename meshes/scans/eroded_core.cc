@@ -40,8 +40,8 @@ std::optional<Vector3d> ErodedCore::way_to(double depth, const Sample& top, int 
                                            double longest) const {
   constexpr int most_planes = 60, most_sweeps = 400;
   constexpr double accuracy = 2e-3, settled = 1e-4, astray = 0.02;
-  // The way to a plane is a multiple of its normal; to what lies behind several ones, a sum of such
-  // with shares that are not negative.
+  // The shortest vector to one plane is a multiple of its normal; to the space behind several, a
+  // sum of these with shares that are not negative.
   std::vector<Sample> planes{top};
   std::vector<double> share{depth};
   Vector3d way = depth * top.normal;
@@ -71,7 +71,7 @@ std::optional<Vector3d> ErodedCore::way_to(double depth, const Sample& top, int 
 
 double ErodedCore::length_to(double depth, const Sample& top, const Vector3d& down, int i, int j,
                              double longest) const {
-  // Along a way into a convex body the depth grows ever more slowly: Newton's steps fall short of
+  // Along a line into a convex body the depth grows ever more slowly: Newton's steps fall short of
   // it, and never go too far. No step is longer than ten times what is lacking.
   constexpr int most_steps = 30;
   constexpr double accuracy = 1e-4, flattest = 0.1;

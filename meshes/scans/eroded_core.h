@@ -6,18 +6,18 @@
 
 namespace softfinger::meshes {
 
-/// How ways lead from a surface to the core that lies everywhere a depth below it, where the
-/// surface bends more sharply than one over that depth. In multiples of the depth.
+/// Search directions from a surface to the core that lies at a uniform depth below it, for surfaces
+/// whose curvature exceeds 1/depth. Lengths are multiples of the depth. A "way" is the straight
+/// segment from a point of the surface down to the core.
 struct Erosion {
-  double beyond = 1;        ///< ways point at the nearest place that lies so much deeper still
+  double beyond = 1;        ///< ways aim at the nearest point this much deeper than the core
   double smoothing = 0.25;  ///< length over which their directions are smoothed
 };
 
-/// What lies at least a depth below a surface: the body eroded by a ball of that radius. Where the
-/// surface bends more sharply than one over the depth its normals cross before they are so deep,
-/// and the eroded body has a ridge. The surface is known by samples, kept by cells of a square
-/// lattice, so that depths are those below the part of it that is near along the surface: not below
-/// the finger's other side.
+/// Body eroded by a ball: the points at least a depth below the surface. Where the curvature
+/// exceeds 1/depth, normals cross before they reach the depth, and the eroded body has a ridge. The
+/// surface is given by samples in the cells of a square lattice; a depth is measured from the
+/// samples in cells near by, so that the finger's far side does not count.
 class ErodedCore {
  public:
   struct Sample {
@@ -30,18 +30,19 @@ class ErodedCore {
   ErodedCore(int half, double cell, int window);
   void add(int i, int j, const Sample& sample);
 
-  /// The way, downwards from the top, to the nearest place at this depth or deeper; none where the
-  /// body is too thin for one, or it is farther than `longest`. A convex body is the intersection
-  /// of the half-spaces below its tangent planes, and eroded of those moved inwards: of these the
-  /// ones that matter are found one by one (J. E. Kelley, The Cutting-Plane Method, 1960). To 0.2 %
-  /// of the depth.
+  /// Returns the vector from the nearest point at this depth or deeper up to `top`; none where the
+  /// body is too thin for one, or it is longer than `longest`. A convex body is the intersection of
+  /// the half-spaces below its tangent planes, and the eroded body that of these half-spaces moved
+  /// inwards by the depth: those that matter are found one by one (J. E. Kelley, The Cutting-Plane
+  /// Method, 1960). To 0.2 % of the depth.
   /// @param top   a point of the surface
   /// @param i, j  a cell at it
   std::optional<Eigen::Vector3d> way_to(double depth, const Sample& top, int i, int j,
                                         double longest) const;
 
-  /// How far a depth lies along a way from the top, at most `longest`.
-  /// @param down  unit
+  /// Returns the distance from `top` along -`down` at which this depth is reached, at most
+  /// `longest`.
+  /// @param down  unit vector of a way, `way_to` normalised
   double length_to(double depth, const Sample& top, const Eigen::Vector3d& down, int i, int j,
                    double longest) const;
 

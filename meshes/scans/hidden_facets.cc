@@ -55,7 +55,7 @@ class Ray {
     const Vector3d other = start.cross(triangle.first);
     const double v = direction_.dot(other) / determinant;
     const double distance = triangle.second.dot(other) / determinant;
-    // What lies on the ray's own facet, given twice or from both sides, is not in its way.
+    // Copies of the ray's own facet, given twice or from both sides, do not block it.
     constexpr double round_off = 1e-7;
     const double size = triangles_[own_].size() + triangle.size();
     meets_ = u >= 0 && v >= 0 && u + v <= 1 && distance > round_off * size;
@@ -73,7 +73,8 @@ class Ray {
   long steps_ = 0;
 };
 
-/// Along the normal first: most facets are seen from there.
+/// Directions in which a facet is looked at. The normal comes first: most facets are seen from
+/// there.
 std::array<Vector3d, 7> directions_from(const Vector3d& normal) {
   constexpr double tilt = 50 * M_PI / 180;
   const Vector3d one = normal.unitOrthogonal(), two = normal.cross(one);

@@ -27,8 +27,9 @@ struct Hermite {
 
 constexpr double smallest_jacobian = 0.05, smallest_stretch = 0.25, largest_stretch = 3;
 
-/// What a valid cell is worth at a distance from the contact, in thicknesses; beyond `near_rim`, by
-/// which a side wall is felt no more, little.
+/// Weight of a valid cell at a distance from the contact, in thicknesses, when layers are compared.
+/// It is small beyond `near_rim`, the distance from which a side wall no longer affects the
+/// contact.
 double worth_of_cell(double distance) { return std::pow(1 + distance * distance, -2); }
 constexpr double near_rim = 4;
 
@@ -56,7 +57,7 @@ ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Po
     keep_connected();
     return;
   }
-  // Plain normals are exact where the surface bends gently: they come first.
+  // Plain normals come first: they are exact where the curvature is small.
   std::vector<Jet> best;
   std::vector<ClothEnd> best_cells;
   double most = -1;
@@ -65,7 +66,7 @@ ScannedLayer::ScannedLayer(const SmoothSurface& surface, const SmoothSurface::Po
     if (core) field = on_core(*core, std::move(field));
     core_ = jets_of(field);
     const double valid = find_cells();
-    // A cell more at the rim is no reason to smooth.
+    // One cell more at the rim does not justify more smoothing.
     if (valid <= most + worth_of_cell(near_rim)) continue;
     most = valid;
     best = core_;
@@ -218,8 +219,8 @@ double ScannedLayer::depth_below(const Vector3d& point, double x, double y, Vect
   return best;
 }
 
-/// @param smoothing  length l over which the way from the top to the core is smoothed; 0: along the
-/// normals
+/// @param smoothing  length over which the directions from the top to the core are smoothed; 0:
+///   along the normals
 ScannedLayer::Field ScannedLayer::core_by(double smoothing) const {
   const int half = cloth_.half();
   const double s = cloth_.spacing(), h = thickness_;
@@ -245,7 +246,7 @@ ScannedLayer::Field ScannedLayer::core_by(double smoothing) const {
     }
     constexpr double last = 0.35;
     down = smoothed(down, last * smoothing);
-    // That took some of the depth away again: it is given back along the way.
+    // Smoothing took some of the depth away again: it is restored along the direction.
     Field scaled = down;
     each([&](int i, int j, std::size_t k) {
       const double depth = depth_below(top_[k].value - down[k], i * s, j * s, nullptr);
@@ -258,7 +259,7 @@ ScannedLayer::Field ScannedLayer::core_by(double smoothing) const {
   return core;
 }
 
-/// From the top, sampled more finely than its lattice.
+/// Builds the eroded core from the top surface, sampled more finely than its lattice.
 ErodedCore ScannedLayer::eroded() const {
   // The tangents at samples h/8 apart turn by 1/8 at most where normals cross at the depth h; a
   // ridge is met by 1/8² of h or better.
@@ -316,7 +317,8 @@ ScannedLayer::Field ScannedLayer::core_by(const Erosion& erosion) const {
   return result;
 }
 
-/// The core's surface where the ways from the top lead on to; not a number where there is none.
+/// Returns the points where the lines from the top through `field` meet the core's surface; not a
+/// number where they miss it.
 ScannedLayer::Field ScannedLayer::on_core(const SmoothSurface& core, Field field) const {
   const int half = cloth_.half();
   for (int j = -half; j <= half; ++j)
@@ -326,8 +328,8 @@ ScannedLayer::Field ScannedLayer::on_core(const SmoothSurface& core, Field field
       Vector3d& at = field[index(i, j)];
       const Vector3d up = (top - at).normalized();
       at.setConstant(std::numeric_limits<double>::quiet_NaN());
-      // The nearest of the core's points along the way: from each, the surface's plane there is met
-      // anew.
+      // Finds the nearest point of the core on the line: each step intersects the line with the
+      // surface's tangent plane at the last point.
       double depth = thickness_;
       constexpr int iterations = 20;
       for (int iteration = 0; iteration < iterations; ++iteration) {

@@ -17,10 +17,10 @@ namespace softfinger::meshes {
 ///   position(x, y, z) = T(x, y) + z (T(x, y) - C(x, y))
 ///
 /// T is a cloth on the surface, interpolated by bicubic Hermite patches; the core side C lies at
-/// the depth h below it, or on a core's own surface, where the way to the depth h leads. Where the
-/// surface bends more sharply than 1/h its normals would cross inside the layer: there T - C is
-/// smoothed. Or else C is the finger eroded by the thickness (eroded_core.h), with the ridge that
-/// it has there. Lengths are in the surface's unit. Safe to share between threads.
+/// the depth h below it, or on a core's own surface, where the line to the depth h meets it. Where
+/// the curvature exceeds 1/h, normals would cross inside the layer: there T - C is smoothed, or C
+/// is the finger eroded by the thickness (eroded_core.h), with the ridge that it has there. Lengths
+/// are in the surface's unit. Safe to share between threads.
 class ScannedLayer {
  public:
   /// @param centre  of the contact
@@ -40,11 +40,12 @@ class ScannedLayer {
   /// Surface area per area of the block.
   double area_ratio(double x, double y) const;
 
-  /// Why a rectangle of the block is not covered by the layer; none where it is. Where it ends at
-  /// a sharp edge it can be asked for its shape as if it went on.
+  /// Returns why a rectangle of the block is not covered by the layer; none where it is. A layer
+  /// that ends at a sharp edge can be asked for its shape as if it went on.
   ClothEnd end_in(double low_x, double high_x, double low_y, double high_y) const;
 
-  /// How far the layer goes from the centre in a direction of the block, and why not farther.
+  /// Largest distance from the centre that the layer covers in a direction of the block, and the
+  /// reason for its end.
   struct Reach {
     double distance;
     ClothEnd end;

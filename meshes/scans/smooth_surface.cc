@@ -73,9 +73,10 @@ struct Corners {
   std::array<Vector3d, 3> position, normal;
 };
 
-/// How far an edge rises over the tangent plane at one end. Both ends of an arc have the same; a
-/// corner's normal that leans towards smaller facets beside it, as where a cylinder ends in a cap,
-/// must not bend a long facet.
+/// Returns the rise of an edge over the tangent plane at one end (`own`), limited to 1.5 times that
+/// at the other end (`other`); 0 if they differ in sign. On an arc both are equal. A corner's
+/// normal that leans towards smaller facets beside it, as where a cylinder ends in a cap, must not
+/// curve a long facet.
 double limited_rise(double own, double other) {
   constexpr double most = 1.5;
   if (!(own * other > 0)) return 0;
@@ -154,7 +155,8 @@ struct EdgePiece {
 };
 
 constexpr std::size_t fit_neighbours = 160, blend_neighbours = 13;
-/// How many widths a turn of the normal by one radian is away.
+/// Distance, in widths, that a difference of the normals by one radian counts for in the search for
+/// neighbours in position and normal.
 constexpr double normal_weight = 2.5;
 
 }  // namespace
@@ -177,7 +179,8 @@ struct SmoothSurface::Implementation {
   void order_samples();
   void order_edges();
 
-  /// The piece of an edge nearest to a point, of those that face its way; none: nullptr.
+  /// Returns the edge piece nearest to a point, among those whose normals agree with the point's;
+  /// nullptr if there is none.
   const EdgePiece* nearest_edge(const Point& point) const;
 
   Place<6> oriented_place(const Vector3d& position, const Vector3d& normal) const {
@@ -270,8 +273,8 @@ void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surfac
             vertices[static_cast<std::size_t>(triangle[(place + 1) % 3])] - vertices[vertex];
         const Vector3d two =
             vertices[static_cast<std::size_t>(triangle[(place + 2) % 3])] - vertices[vertex];
-        // Where facets are much larger than others the surface is straighter: the small ones beside
-        // a large one must not bend it.
+        // The surface is straighter where facets are larger: small ones beside a large one must not
+        // curve it.
         constexpr double much = 2;
         const double weight = std::min(1.0, much * areas[other] / areas[f]);
         corners.normal[c] +=
@@ -285,7 +288,8 @@ void SmoothSurface::Implementation::collect_facets(const TriangleSurface& surfac
     throw InputError("surface", "facets near the contact", "none", "a surface around the contact");
 }
 
-/// Where facets are larger than the wanted width, their corners alone tell the surface.
+/// Chooses the width: at least the median edge near the origin, since facets larger than the width
+/// define the surface by their corners alone.
 void SmoothSurface::Implementation::choose_width(const Smoothing& smoothing) {
   width = smoothing.width;
   const double near = 4 * smoothing.width;
@@ -381,7 +385,7 @@ void SmoothSurface::Implementation::fit_quadrics() {
     Eigen::Matrix<double, 10, 10> normal =
         equations.leftCols(used) * equations.leftCols(used).transpose();
     const Eigen::Matrix<double, 10, 1> right = equations.leftCols(used) * targets.head(used);
-    // Where few neighbours leave curvatures open they are none.
+    // Curvatures that few neighbours leave undetermined become zero.
     normal.diagonal().array() += 1e-9;
     normal.diagonal().tail<6>().array() += 1e-6;
     const Eigen::Matrix<double, 10, 1> c =
@@ -454,7 +458,7 @@ const EdgePiece* SmoothSurface::Implementation::nearest_edge(const Point& point)
 std::optional<double> SmoothSurface::beyond_edge(const Point& point) const {
   const EdgePiece* const edge = implementation_->nearest_edge(point);
   if (!edge) return std::nullopt;
-  // Along the surface: it need not go through the edges of the facets.
+  // Distances are measured along the surface: it need not go through the edges of the facets.
   const Vector3d on_edge = edge->nearest(point.position);
   Vector3d apart = point.position - on_edge;
   apart -= apart.dot(point.normal) * point.normal;
@@ -462,7 +466,7 @@ std::optional<double> SmoothSurface::beyond_edge(const Point& point) const {
   // Beside the end of an edge nothing ends.
   constexpr double in_front = 0.65;
   if (!(outward > in_front * apart.norm())) return -apart.norm();
-  // Where facets lie beyond the edge too, it is another sheet's.
+  // If samples lie beyond the edge too, the edge belongs to another sheet.
   std::size_t sample = 0;
   double distance = 0;
   implementation_->oriented->find(implementation_->oriented_place(point.position, point.normal), 1,
@@ -470,7 +474,8 @@ std::optional<double> SmoothSurface::beyond_edge(const Point& point) const {
   constexpr double beyond = 0.1, clearly = 2;
   const Vector3d& facet = implementation_->samples[sample].position;
   if ((facet - on_edge).dot(edge->outward) > beyond * spacing()) return -apart.norm();
-  // Nor is a place beyond an edge that has facets of its own: the edge lies deeper, or aside.
+  // A point with samples of its own close by is not beyond the edge either: the edge lies deeper,
+  // or aside.
   if (outward > clearly * spacing() && distance < spacing() * spacing()) return -apart.norm();
   return outward;
 }

@@ -8,25 +8,25 @@
 
 namespace softfinger::meshes {
 
-/// How a smooth surface is drawn through triangles. Lengths in the surface's unit.
+/// Parameters of the smooth surface through triangles. Lengths in the surface's unit.
 struct Smoothing {
   double width = 1;  ///< H: what is smaller than that is smoothed
   double crease_rad =
       60 * 3.14159265358979323846 / 180;  ///< facets that meet more sharply make an edge
-  /// Only what lies within this distance from the origin is looked at.
+  /// Facets farther than this from the origin are ignored.
   double within = 1e300;
   double widening = 1;  ///< factor on H, once it is chosen
 };
 
 /// The smooth surface that a triangle mesh stands for, near the origin.
 ///
-/// Each facet is bent into a PN triangle (A. Vlachos, J. Peters, C. Boyd, J. Mitchell, Curved PN
+/// Each facet becomes a curved PN triangle (A. Vlachos, J. Peters, C. Boyd, J. Mitchell, Curved PN
 /// Triangles, I3D 2001), with corner normals averaged over the facets around a vertex that do not
 /// meet at a crease, and sampled every 0.6 H: points x_i with normals n_i. Around each sample a
-/// quadric f_i is fitted to the 40 nearest ones, to be zero at them and to have their normals as
-/// gradients, with the weights exp(-r²/H²) max(0, n . n_i)². The surface is where f = sum w_i f_i /
-/// sum w_i is zero, over the samples nearest to a point in six dimensions, place and normal: so the
-/// two sides of a thin wall do not mix.
+/// quadric f_i is fitted to the 160 nearest of a set of up to six times closer samples, to be zero
+/// at them and to have their normals as gradients, with the weights exp(-r²/H²) max(0, n . n_i)².
+/// The surface is the zero set of f = sum w_i f_i / sum w_i over the samples nearest to a point in
+/// six dimensions, position and normal, so that the two sides of a thin wall do not mix.
 ///
 /// It reproduces quadrics. On meshes of smooth bodies it converges with the square of the facets'
 /// edges or faster. Safe to share between threads.
@@ -42,26 +42,27 @@ class SmoothSurface {
   SmoothSurface(SmoothSurface&&) noexcept;
   ~SmoothSurface();
 
-  /// The same surface, turned about the origin.
+  /// Returns the surface turned about the origin.
   SmoothSurface turned(const Eigen::Quaterniond& turn) const;
 
   /// The surface's point near `from` on the side that faces `normal`, by Newton's method along the
   /// gradient. None where it does not converge.
   std::optional<Point> project(const Eigen::Vector3d& from, const Eigen::Vector3d& normal) const;
 
-  /// How far a point of the surface lies beyond a sharp edge, at which the mesh itself has an edge
-  /// or facets meet at a crease, and beyond which the surface does not go on; negative on this side
-  /// of it. None where no such edge is nearby.
+  /// Returns how far a point of the surface lies beyond a sharp edge where the surface ends: an
+  /// edge of the mesh itself or a crease between facets. Negative on this side of the edge; none
+  /// where no such edge is nearby.
   std::optional<double> beyond_edge(const Point& point) const;
   /// Direction of the sharp edge nearest to a point of the surface, within a distance.
   std::optional<Eigen::Vector3d> edge_near(const Point& point, double distance) const;
 
-  /// H, at least the longest edge near the origin where that is longer than wanted.
+  /// Width H in use: the median edge near the origin, limited to 1 to 3 times the wanted width,
+  /// times `Smoothing::widening`.
   double width() const;
   double spacing() const;  ///< of the samples
 
-  /// Of the facets within a distance from a point of the surface: distances of their vertices and
-  /// centres from the smooth surface, root mean square and largest.
+  /// Distances of the facets' vertices and centres from the smooth surface, root mean square and
+  /// largest, over the facets within a distance from a point of the surface.
   struct Departure {
     double rms = 0, largest = 0;
     int facets = 0;

@@ -49,7 +49,7 @@ struct Arrays {
   }
 };
 
-/// From fingertips to far beyond, and some that no model answers.
+/// Random contacts, from those of fingertips to far beyond, and some that no model answers.
 Arrays contacts(int count) {
   std::mt19937_64 generator(4);
   const auto between = [&](double low, double high) {

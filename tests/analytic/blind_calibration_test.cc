@@ -90,7 +90,7 @@ TEST(BlindCalibration, PredictsRadiusAndTorqueOfFourFingersFromASoftPress) {
                          answer.torque_arm_exact_m * kFriction * run.load_N / run.max_torque_Nm - 1;
         std::printf(" %g N: a %+.2f %%, b %+.2f %%, torque %+.2f %%", run.load_N, 100 * a, 100 * b,
                     100 * torque);
-        // What was asked for: 3 %, of a test with a number of its own.
+        // Required accuracy of a blind prediction.
         constexpr double kAskedFor = 0.03;
         EXPECT_LT(std::abs(a), kAskedFor) << name << " at " << run.load_N << " N";
         EXPECT_LT(std::abs(b), kAskedFor) << name << " at " << run.load_N << " N";

@@ -123,8 +123,8 @@ TEST(Calibration, RefusesAModelWithoutAnAnswer) {
   EXPECT_THROW(calibrate(synthetic.problem), InputError);
 }
 
-/// What this layer shows under eight loads up to the largest, each value off by its standard
-/// deviation to alternating sides.
+/// Measurements of this layer under eight loads up to the largest, each value off by its standard
+/// deviation with alternating sign.
 CalibrationProblem measured(const ElasticLayer& layer, double largest_N,
                             const std::vector<MeasuredQuantity>& quantities, double relative_std,
                             const std::vector<Parameter>& free) {
@@ -183,7 +183,8 @@ TEST(CalibrationAdvice, SaysThatAThickLayerShowsNoCore) {
 }
 
 TEST(CalibrationAdvice, SaysThatAThinIncompressibleLayerShowsOnlyTheStiffnessOfBoth) {
-  // Of contacts ten to twenty times as wide as the layer is thick, and their widths alone.
+  // Contacts ten to twenty times as wide as the layer is thick, of which only the widths are
+  // measured.
   const CalibrationProblem problem =
       measured({0.1e-3, 3e5, 0.499}, 10, {MeasuredQuantity::a}, 0.03,
                {Parameter::youngs_modulus, Parameter::thickness, Parameter::poisson_ratio});
@@ -220,7 +221,7 @@ TEST(CalibrationAdvice, ProposesAMeasurementThatHelpsAsMuchAsItSays) {
       if (estimate.parameter == next.parameter) return estimate.std;  // of nu, absolute
     return std::nan("");
   };
-  // Both are the covariance's.
+  // Both numbers follow from the covariance.
   EXPECT_NEAR(std_of(before), next.std_now, 1e-6 * next.std_now);
   ContactProblem contact = problem.measurements.contacts.back();
   contact.load.normal_force_N = next.load_N;

@@ -53,8 +53,8 @@ TEST(FingertipLayer, OfARoundFingerIsRound) {
     }
 }
 
-/// Of a layer that is turned by a right angle the numbers stay, whichever axis is called x: shown
-/// for the effects, whose symmetric ones stay and whose others change their sign.
+/// The numbers of a layer do not depend on which axis is called x. Shown for the effects: when the
+/// axes are exchanged, the symmetric ones stay and the others change their sign.
 TEST(FingertipLayer, DoesNotKnowWhichAxisIsCalledX) {
   ContactInputOf<double> input =
       contact_input({0.014, 0.014, 0}, {0.002, 3e5, 0.4}, 2, {30, 50, 5});
@@ -134,7 +134,7 @@ TEST_P(LargeStrains, AreFollowed) {
               100 * (found.a_m / h / truth.radius - 1),
               100 * (found.indentation_m / h / truth.approach - 1),
               100 * (found.torque_arm_exact_m / h / truth.arm - 1));
-  // What is asked of the model: 2 % in the semi-axes and the torque, 3 % in the indentation.
+  // Accuracy required of the model: 2 % in the semi-axes and the torque, 3 % in the indentation.
   EXPECT_NEAR(found.a_m / h / truth.radius, 1, 0.02);
   EXPECT_NEAR(found.indentation_m / h / truth.approach, 1, 0.03);
   EXPECT_NEAR(found.torque_arm_exact_m / h / truth.arm, 1, 0.02);

@@ -8,7 +8,7 @@ namespace softfinger::testing {
 
 using softfinger::is_sound;
 
-/// The same with the numbers, for a message.
+/// `is_sound` as an assertion whose message shows the numbers.
 inline ::testing::AssertionResult is_finite_and_consistent(const Prediction& prediction) {
   return is_sound(prediction) ? ::testing::AssertionSuccess()
                               : ::testing::AssertionFailure()

@@ -37,7 +37,7 @@ TEST(GrowthExponent, IsInvertedByTheSize) {
   for (const double nu : {0., 0.3, 0.45, 0.49, 0.5})
     for (const double s : {0.2, 0.7, 1.5, 3.}) {
       const double exponent = layer_growth_exponent(s, nu);
-      // Of several sizes with one exponent, which there are beyond the minimum, it is the smallest.
+      // Beyond the minimum several sizes have one exponent, and the smallest is found: not this s.
       if (exponent <= smallest_layer_exponent(nu) + 1e-3) continue;
       const auto found = layer_size_of_exponent(exponent, nu);
       ASSERT_TRUE(found) << "nu " << nu << ", s " << s;
@@ -47,9 +47,10 @@ TEST(GrowthExponent, IsInvertedByTheSize) {
 }
 
 TEST(GrowthExponent, OfTheTorqueArmIsThatOfTheRadiusInTheLimits) {
-  // Where the pressure keeps its shape; the correction of a thick layer is of the order of s³.
+  // In the limits the pressure keeps its shape; the correction of a thick layer is of the order of
+  // s³.
   EXPECT_NEAR(layer_growth_exponent(0.05, 0.49, Growing::torque_arm), 1. / 3, std::pow(0.05, 3));
-  // In between it flattens the less, the larger s is.
+  // In between the pressure flattens the less, the larger s is.
   const double arm = layer_growth_exponent(1.5, 0.49, Growing::torque_arm);
   EXPECT_LT(arm, layer_growth_exponent(1.5, 0.49));
   EXPECT_NEAR(std::log(layer_size_of_exponent(arm, 0.49, Growing::torque_arm).value_or(1) / 1.5), 0,

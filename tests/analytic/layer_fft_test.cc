@@ -87,7 +87,8 @@ TEST(LayerFft, ErrorsFallAtLeastLikeTheCellSquared) {
   }
 }
 
-// The limits have closed forms, and the ways to them are known orders: h/a for the half-space.
+// The limits have closed forms, and the deviation from them has a known order: h/a for the
+// half-space.
 TEST(LayerFft, ApproachesHertzOnAThickLayer) {
   const PressureModel& hertz = *find_pressure_model("hertz");
   for (const double ratio : {1.0, 4.0, 50.0}) {
@@ -157,7 +158,7 @@ TEST(LayerFft, TurnedAndShiftedGapGivesTheTurnedAndShiftedContact) {
   EXPECT_NEAR(turned.edge.area / reference.edge.area, 1, 2e-3);
   EXPECT_NEAR(turned.edge.axis_rad, angle, 1e-3);
   EXPECT_NEAR(reference.edge.axis_rad, 0, 1e-12);
-  // The same point of the contact has the same pressure.
+  // Corresponding points of both contacts have the same pressure.
   const double u = 0.3 * reference.edge.a, v = 0.4 * reference.edge.b;
   EXPECT_NEAR(turned.pressure_at_Pa(x0 + std::cos(angle) * u - std::sin(angle) * v,
                                     y0 + std::sin(angle) * u + std::cos(angle) * v) /
@@ -375,7 +376,7 @@ TEST(SampledGap, GivesTheContactOfTheFunctionThatItSamples) {
   EXPECT_NEAR(sampled.prediction.a_m / truth.edge.a, 1, 1e-3);  // a twentieth of a cell
   EXPECT_NEAR(sampled.prediction.b_m / truth.edge.b, 1, 1e-3);
   EXPECT_TRUE(sampled.prediction.has_answer);
-  // Where the gap is steepest: at the end of the long axis or of the short one.
+  // The check takes the gap's steepest place: the end of the long axis or of the short one.
   double slope = 0;
   for (const auto& check : sampled.prediction.validity)
     if (std::string(check.check) == "small_slope") slope = check.value;
@@ -427,7 +428,7 @@ TEST(LayerFft, RefusesWhatItCannotSolve) {
   EXPECT_THROW(solve_layer_contact(radii, layer, {}, 1, options), ConvergenceError);
 }
 
-// Against the sums that they abbreviate.
+// The convolution is compared with the sums that it abbreviates.
 TEST(Convolution, EqualsTheDirectSum) {
   const int rows = 16, columns = 8;
   std::mt19937 random(7);

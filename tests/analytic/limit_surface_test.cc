@@ -97,8 +97,9 @@ TEST(LimitSurface, EqualsPublishedPointsOfCirclesAndEllipses) {
   }
 }
 
-// A second way to the same numbers: |v| is the mean of |v . u| over directions u, and v . u is
-// linear in the plane, so that only the pressure's projection on a line matters, (1 - t²)^(n+1/2).
+// Independent derivation of the same numbers: |v| is the mean of |v . u| over directions u. The
+// product v . u is linear in the plane, so that only the pressure's projection on a line matters:
+//   (1 - t²)^(n+1/2).
 TEST(LimitSurface, EqualsTheIntegralOverProjectionsOfThePressure) {
   using Real = long double;
   constexpr Real kLongPi = 3.14159265358979323846264338L;

@@ -1,5 +1,5 @@
-// What must hold for every pressure model of the registry, whatever its equations. A new model is
-// tested here the moment its file exists.
+// Invariants of every pressure model of the registry, whatever its equations. A new model is tested
+// here as soon as its file exists.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 

@@ -65,7 +65,7 @@ TEST(TwistCurve, HoldsForCirclesOnLayers) {
 
 TEST(TwistCurve, AgreesWithFiniteElements) {
   for (const tests::FemTwist& fem : tests::fem_twists()) {
-    // As a user has it: ellipse, stiffness, T_max and n of the prediction.
+    // Ellipse, stiffness, T_max and n are those of the prediction, as a user has them.
     const ContactProblem problem = problem_of(fem.pressed);
     const PressureModel& model = *find_pressure_model("bonded_layer");
     const Prediction prediction = model.predict(problem);
@@ -75,7 +75,7 @@ TEST(TwistCurve, AgreesWithFiniteElements) {
         fem.pressed.friction_coefficient * fem.pressed.load_N * prediction.torque_arm_exact_m;
     const TwistCurve curve(equivalent_exponent(prediction), prediction.b_m / prediction.a_m,
                            prediction.a_m / fem.pressed.thickness_m);
-    // The same scaled by the finite elements' own stiffness and T_max: the shape alone.
+    // Scaled by the finite elements' own stiffness and T_max, only the curve's shape is compared.
     const double arm = torque_arm_exact_m(fem.a_m, fem.b_m, 0) / (2. / 3);
     double low = 0, high = 5;
     for (int i = 0; i < 60; ++i) {
@@ -152,7 +152,7 @@ TEST(TwistCurve, RisesConcavelyFromSlopeOneToOne) {
   for (const double exponent : {0.5, 0.55, 0.66, 1., 2., 6.})
     for (const double aspect : {1., 0.9, 0.5, 0.2, 0.05})
       for (const double size : {0., 0.5, 5., 30.})
-        // What slips is a rim of the depth x^(1/(n + 1/2)) in 1 - r²; the slope is 1 - 3/2 of that.
+        // A rim of the depth x^(1/(n + 1/2)) in 1 - r² slips; the slope is 1 - 3/2 of that depth.
         expect_backbone(TwistCurve(exponent, aspect, size),
                         3 * std::pow(1e-9, 1 / (exponent + 0.5)));
 }

@@ -155,7 +155,7 @@ TEST(ShearLaw, LimitedFrictionTendsToCoulombAndToTheStrength) {
             max_torque_Nm(ShearLaw::coulomb(kMu), contact));
   const ShearLaw weak = limited_at(1e-9, contact);
   const ShearLaw strength{Kind::shear_strength, 0, weak.shear_strength_Pa};
-  // What is missing at the rim is of the order (tau_0 / mu p_0)^(1/n).
+  // The deficit at the rim is of the order (tau_0 / mu p_0)^(1/n).
   EXPECT_NEAR(max_torque_Nm(weak, contact) / max_torque_Nm(strength, contact), 1, 1e-10);
 }
 
@@ -358,7 +358,8 @@ TEST(ShearSurface, ItsDerivativesAreDifferencesOfItsWrenches) {
   }
 }
 
-// What the simulation takes under the rules limit_surface and six_patches.
+// The simulation replaces these laws by such a LimitSurface under the rules limit_surface and
+// six_patches.
 TEST(ShearSurface, IsNearlyTheLimitSurfaceOfTheExponentWithItsArm) {
   double worst = 0;
   for (const Kind kind : {Kind::limited, Kind::adhesive_shear})

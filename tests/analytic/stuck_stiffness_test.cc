@@ -33,7 +33,7 @@ Three exact(double a, double b, double poisson_ratio) {
   return {stiffness.torsional, stiffness.tangential_x, stiffness.tangential_y};
 }
 
-/// The same from the table.
+/// Stiffnesses of this layer from the table.
 Three tabulated(double a, double b, double poisson_ratio) {
   return three(stuck_stiffness(a, b, 1.0, 2 * (1 + poisson_ratio), poisson_ratio));
 }
@@ -102,7 +102,7 @@ TEST(StuckStiffness, TendsToBothLimitsExactly) {
       const Three thin = three(stuck_stiffness(a, b, 1e-9 * b, E, nu)),
                   sheared = three(thin_layer_stuck_stiffness(a, b, 1e-9 * b, 1.0));
       for (std::size_t k = 0; k < 3; ++k) {
-        // What remains is of first order in s or 1/s, with factors of a few.
+        // The remaining difference is of first order in s or 1/s, with factors of a few.
         EXPECT_NEAR(thick[k] / half_space[k], 1, 1e-8) << aspect << " " << nu;
         EXPECT_NEAR(thin[k] / sheared[k], 1, 1e-8 * aspect) << aspect << " " << nu;
       }
@@ -145,7 +145,8 @@ TEST(StuckStiffness, GrowsWithTheContactAndWithPoissonsRatioAndFallsWithThicknes
           ASSERT_GT(longer[k], here[k]) << k << " " << a << " " << b << " " << nu;
           ASSERT_GT(wider[k], here[k]) << k << " " << a << " " << b << " " << nu;
           ASSERT_GT(thinner[k], here[k]) << k << " " << a << " " << b << " " << nu;
-          // Of the torsion of a disc and of thin layers, nu changes less than the table's error.
+          // The torsion of a disc and the stiffness of thin layers depend on nu by less than the
+          // table's error.
           ASSERT_GT(firmer[k], here[k] * (1 - 1e-4)) << k << " " << a << " " << b << " " << nu;
         }
       }
@@ -199,7 +200,7 @@ Three carried_slope(const std::array<double, 5>& at, std::size_t i) {
           relative(stiffness.tangential_y_N_per_m)};
 }
 
-/// The same by central differences of sixth order.
+/// Relative slopes by central differences of sixth order.
 Three difference_slope(const std::array<double, 5>& at, std::size_t i) {
   constexpr double kStep = 4e-3;
   const auto moved = [&](double by) {

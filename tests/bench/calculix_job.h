@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-/// What somebody without this project would do: the same contact as a job for CalculiX, whose `ccx`
-/// has to be on the PATH.
+/// Comparison with the tool of somebody without this project: the contact as a job for CalculiX,
+/// whose `ccx` has to be on the PATH.
 namespace softfinger::bench {
 
 bool calculix_is_there();

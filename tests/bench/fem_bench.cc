@@ -37,7 +37,7 @@ using fem::verification::TwistCurve;
 
 const fem::Progress quiet = [](const std::string&) {};
 
-/// What the parent learns from the system about a case.
+/// Cost and outcome of a case, as the parent process learns them from the system.
 struct Cost {
   double cpu_s = 0, peak_MB = 0;
   bool succeeded = false;
@@ -116,7 +116,8 @@ std::string compare(const fem::Result& result, const Truth& truth) {
          (truth.area_m2 > 0 ? errors(result.finest.area_m2, truth.area_m2, result.error.area) : "");
 }
 
-/// What a finer level finds, for the truth. None, and a line that says why, where it fails.
+/// Returns a finer level's answer, to serve as the truth; none, after a line that says why, where
+/// the level fails.
 std::optional<Truth> found_on_level(int level, const std::string& name, fem::Problem problem) {
   problem.level = level;
   const Cost cost = run_in_child([&] {
@@ -178,7 +179,7 @@ std::pair<fem::Problem, Truth> elliptic(const EllipticLayer& layer) {
            layer.torque * friction_coefficient * modulus * std::pow(h, 4) / R}};
 }
 
-/// What friction adds to a circular contact: cost, and errors of the twist.
+/// Measures the cost that friction adds to a circular contact, and the errors of the twist.
 bool run_friction(const std::string& name, double s, double nu, const TwistCurve& curve) {
   const auto [plain, truth] = circular(s, nu);
   const Cost normal = run_case(name + ", pressing", [&plain = plain, &truth = truth] {
@@ -324,8 +325,8 @@ bool run_axisymmetric(const std::string& name, const AxisymmetricContact& contac
   return run_case(name, [&] { return compare(fem::solve(problem, quiet), truth); }).succeeded;
 }
 
-/// The same contact, a/h = 1, nu = 0.3, by CalculiX at the true approach. Its load's error is given
-/// as that of the approach at the true load: they go together as P ~ d^1.9 there.
+/// Runs the contact a/h = 1, nu = 0.3 in CalculiX at the true approach. The error of the load is
+/// given as that of the approach at the true load: P ~ d^1.9 there.
 bool run_calculix(double contact_stiffness) {
   char name[48];
   std::snprintf(name, sizeof name, "ccx a/h 1, nu 0.3, stiffness %g", contact_stiffness);

@@ -1,7 +1,6 @@
-// What one answer about friction costs: a point of the exact limit surface, of its six-patch fit
-// and of the ellipsoid, utilisation and projection, and the linearisation. Beside each kind of
-// surface, its largest error against the exact one in percent, so that speed can be drawn over
-// accuracy.
+// Cost of one answer about friction: a point of the exact limit surface, of its six-patch fit and
+// of the ellipsoid, utilisation and projection, and the linearisation. Beside each kind of surface,
+// its largest error against the exact one in percent, so that speed can be drawn over accuracy.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// What one contact with a bonded layer costs on a grid of 64, 128 and 256 cells a side: a quadric,
+// Cost of one contact with a bonded layer on a grid of 64, 128 and 256 cells a side: a quadric,
 // solved on a quarter of the grid, and the same gap turned and given as a function.
 #include <benchmark/benchmark.h>
 

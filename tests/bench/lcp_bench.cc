@@ -77,8 +77,8 @@ struct Row {
   int failures = 0;
 };
 
-/// The same scenes under several numbers of vertices: a machine whose speed changes by the second
-/// would otherwise show in their ratios, so they take turns.
+/// Solves the scenes under several numbers of vertices. The sets take turns: otherwise a machine
+/// whose speed changes by the second would distort their ratios.
 std::vector<Row> solve_in_turns(const std::vector<std::vector<ContactLcp>>& sets, int repetitions,
                                 std::vector<std::vector<double>>* all_us = nullptr,
                                 std::vector<std::vector<double>>* all_on_clock_us = nullptr) {
@@ -169,7 +169,7 @@ double residual_of(const ContactLcp& problem, const std::vector<double>& z) {
   return contact_residual(problem, solution);
 }
 
-/// As many of the problems as `most_s` allow, at least three.
+/// Solves as many of the problems as `most_s` allows, at least three.
 Row solve_by_siconos(const std::vector<ContactLcp>& problems, const std::vector<double>& ours_us,
                      double most_s, int& tried, double& ratio) {
   Row row;

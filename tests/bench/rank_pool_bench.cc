@@ -1,4 +1,4 @@
-// What handing out a task costs: mpirun -np N rank_pool_bench, for tasks of no and of 10 ms length.
+// Cost of handing out a task: mpirun -np N rank_pool_bench, for tasks of no and of 10 ms length.
 
 #include <unistd.h>
 

@@ -201,7 +201,8 @@ struct Measured {
   std::string failure;
 };
 
-/// How far the body moves in the frame of its holder in the last quarter of the scene.
+/// Sets how far the body moves (mm) and turns (degrees) in the frame of its holder between two
+/// poses, those around the last quarter of the scene.
 void measure(const Isometry3d& before, const Isometry3d& after, Measured& measured) {
   measured.moved_mm = 1e3 * (after.translation() - before.translation()).norm();
   measured.turned_deg =

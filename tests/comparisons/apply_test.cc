@@ -65,7 +65,7 @@ TEST_F(Apply, ListsEachChangeAndKeepsEveryOtherByte) {
   }
   EXPECT_EQ(names, (std::vector<std::string>{"condim", "priority", "friction"}));
 
-  // Without what the report lists, the file is the one that was read.
+  // With the listed changes undone, the file is the one that was read.
   std::string text = file_text(folder.path() / "soft.xml");
   for (const json& change : report["changes"]) {
     const std::string added =

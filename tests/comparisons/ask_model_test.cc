@@ -11,7 +11,7 @@
 namespace softfinger {
 namespace {
 
-/// What is said of a stack of these; nothing where nothing is.
+/// Returns the check on homogeneity for a stack of these layers; nothing if there is none.
 std::optional<ValidityCheck> homogeneity(const std::vector<ElasticLayer>& sublayers) {
   input::Case contact_case;
   for (const ElasticLayer& layer : sublayers) contact_case.sublayers.push_back({"", layer, {}});

@@ -236,7 +236,7 @@ TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {
       const double chance = 2 * std::sqrt(0.95 * 0.05 / double(test.runs));
       for (std::size_t q = 0; q < prediction::kQuantities; ++q) {
         EXPECT_GE(test.inside[q], 0.95 - chance) << prediction::kQuantityNames[q];
-        // Of a dozen round contacts, which layer_fredholm answers here, no median is known.
+        // layer_fredholm answers only a dozen round contacts here: too few for a median.
         if (test.runs > 50) {
           EXPECT_LE(test.ratio[q], largest_ratio(model)) << prediction::kQuantityNames[q];
         }
@@ -245,8 +245,8 @@ TEST(Assessment, HoldsRunsThatItWasNotFittedTo) {
   }
 }
 
-/// What is asked of the model, on runs that nothing was fitted to: 95 % of the errors within 2 % in
-/// the semi-axes and the torque, 3 % in indentation and area, 5 % in the peak pressure.
+/// Accuracy required of the model on runs that nothing was fitted to: 95 % of the errors within 2 %
+/// in the semi-axes and the torque, 3 % in indentation and area, 5 % in the peak pressure.
 TEST(FingertipLayer, IsWithinTwoPerCentOfUnseenFingers) {
   const judgement::AtlasFile unseen = atlas_of("fingertips_unseen.csv");
   ASSERT_GE(unseen.runs.size(), 200u);

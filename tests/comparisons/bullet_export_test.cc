@@ -18,7 +18,7 @@ using nlohmann::json;
 constexpr double kMass_kg = 0.02, kRadius_m = 0.02, kTimeStep_s = 1e-3;
 constexpr double kInertia_kgm2 = 0.4 * kMass_kg * kRadius_m * kRadius_m;
 
-/// At the end, and on average over its last half.
+/// Turning of the object: velocity at the end, acceleration on average over the last half.
 struct Turning {
   double velocity_rad_per_s = 0, acceleration_rad_per_s2 = 0;
 };

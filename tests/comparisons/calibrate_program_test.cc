@@ -49,7 +49,7 @@ class CalibrateProgram : public testing::Test {
                                    "\n[layer]\nthickness_mm = 2.5\nyoungs_modulus_kPa = 400\n"
                                    "poisson_ratio = 0.47\n[contact]\nload_N = [0.2, 0.4, 0.8, 1.5, "
                                    "3, 6, 10]\nfriction_coefficient = 0.7\n");
-    // What the owner of the finger believes at first.
+    // First guess of the finger's owner.
     folder.write("case.toml", "id = \"mine\"\n# of the drawing\n[geometry]\n" + geometry +
                                   "\n[layer]\nthickness_mm = 5.0\nyoungs_modulus_kPa = 100\n"
                                   "poisson_ratio = 0.47\n[contact]\nload_N = 2.0\n"

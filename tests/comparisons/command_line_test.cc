@@ -1,5 +1,5 @@
-// What all commands share: cases without a file, values in place of a file's, standard input, words
-// that are not known, quiet, colours, completion, manual, init, doctor.
+// Behaviour that all commands share: cases without a file, values in place of a file's, standard
+// input, unknown words, quiet, colours, completion, manual, init, doctor.
 
 #include <gtest/gtest.h>
 
@@ -366,7 +366,7 @@ TEST_F(CommandLine, ColoursOnlyWhereSomebodySeesThem) {
   start.environment = {"CLICOLOR_FORCE=1"};
   const ProgramRun coloured = run(kRemarked);
   EXPECT_TRUE(has_colour(coloured.out) && has_colour(coloured.err));
-  // The same words, whatever their colours.
+  // The words are the same with and without colours.
   const std::regex codes("\x1b\\[[0-9;]*m");
   const auto without_times = [](const std::string& text) {
     return std::regex_replace(text, std::regex(" +[0-9.]+(?=\n)"), "");

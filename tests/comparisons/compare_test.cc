@@ -25,7 +25,7 @@ class Compare : public testing::Test {
   fs::path output = folder.path() / "report";
   fs::path two_loads = folder.write("two.toml", case_text("two", "[1.0, 5.0]"));
 
-  /// In linear theory, which needs one solve per load.
+  /// Compares in linear theory, which needs one solve per load.
   ProgramRun compare(std::vector<std::string> more = {}) {
     more.insert(more.begin(), "--linear");
     return compare_in_full(more);

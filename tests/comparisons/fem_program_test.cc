@@ -57,7 +57,8 @@ class FemProgram : public testing::Test {
 
 TEST_F(FemProgram, EndsInWordsWhereMemoryIsShort) {
   const std::string file = write_case();
-  // From what hardly loads to what is enough: OpenBLAS used to ask for memory in an endless loop.
+  // Memory from hardly enough to load the program to plenty: OpenBLAS used to ask for memory in an
+  // endless loop.
   bool refused = false, answered = false;
   for (int limit_kB = 500000; limit_kB <= 1500000; limit_kB += 250000) {
     const std::string command =
@@ -190,14 +191,14 @@ TEST_F(FemProgram, BoundsOfTheAtlasHoldForContactsThatItHasNotSeen) {
     return std::vector<std::string>{"atlas",    "--random", count,    "--seed", "417",
                                     "--folder", "unseen",   "--jobs", "2"};
   };
-  // As a rank each of two processes would do all the work.
+  // If run as ranks, each of two processes would do all the work.
   Start rank = start;
   rank.environment.insert(rank.environment.end(),
                           {"OMPI_COMM_WORLD_RANK=1", "OMPI_COMM_WORLD_SIZE=2"});
   const ProgramRun refused = run_softfinger(rank, command("4"));
   EXPECT_EQ(refused.status, 2) << refused.err;
   EXPECT_NE(refused.err.find("softfinger-sweep --atlas"), std::string::npos) << refused.err;
-  // What is finished need not be done again.
+  // Finished runs are not repeated.
   const ProgramRun half = run_softfinger(start, command("2"));
   EXPECT_EQ(half.status, 0) << half.err;
   const auto written = [&] {

@@ -183,7 +183,8 @@ TEST_F(MeshCommand, SaysWithOneVoiceWhichUnitIsTaken) {
     EXPECT_NE(result.err.find(words), std::string::npos) << command[0] << ": " << result.err;
   }
   EXPECT_NE(file_text(folder.path() / "metres.toml").find("unit = \"m\""), std::string::npos);
-  // The same finger whatever its file's unit, and nothing to say where the unit is plain or typed.
+  // The finger is the same whatever its file's unit, and no note appears where the unit is evident
+  // or typed.
   const auto a_m = [&](const std::string& file) {
     return answer_of({"predict", file, "--model", "bonded_layer", "--json"})["results"][0]["a_m"]
         .get<double>();

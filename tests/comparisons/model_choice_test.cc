@@ -1,4 +1,4 @@
-// Which model is enough, and that all commands say the same of it.
+// Choice of a model that is accurate enough, and its agreement between all commands.
 #include "comparisons/judgement/selection/model_choice.h"
 
 #include <gtest/gtest.h>
@@ -106,7 +106,8 @@ TEST(ModelChoice, TellsWhatTheFiniteElementsOfTheCaseCost) {
     if (is_scan) contact.geometry.patch.emplace();
     return contact.choose(options).candidates.front().cost_us;
   };
-  // Newton's method solves several linear problems, a scan is pressed in several readings.
+  // Newton's method solves several linear problems, and a scan is pressed in several perturbed
+  // versions.
   EXPECT_GT(cost_us(false, true, false), 2 * cost_us(false, false, false));
   EXPECT_GT(cost_us(true, true, false), 2 * cost_us(true, false, false));
   EXPECT_GT(cost_us(true, true, true), 2 * cost_us(true, true, false));
@@ -214,8 +215,8 @@ input::Scene scene_of(const ContactProblem& problem) {
   return scene;
 }
 
-/// What each command takes where no model is asked for, as the largest torque in N m.
-/// @param told  what predict says of all models
+/// Expects the same model and largest torque (N m) from every command when no model is asked for.
+/// @param told  predict's answers by all models
 void expect_one_torque(const input::Case& contact, const prediction::GeometryResolver& resolver,
                        const std::vector<prediction::ModelAnswer>& told, const Choice& selected) {
   const prediction::ModelAnswer* const first = judgement::recommended(told);

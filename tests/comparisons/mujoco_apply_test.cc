@@ -1,4 +1,4 @@
-// What `softfinger apply` writes, in the real MuJoCo.
+// Output of `softfinger apply`, run in the real MuJoCo.
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>

@@ -1,10 +1,10 @@
-// What `softfinger export --to mujoco` prints, in the real MuJoCo: a fingertip is pressed on an
-// object that says nothing of friction, pushed and twisted; does it slip where the friction
-// ellipsoid says?
+// Output of `softfinger export --to mujoco`, run in the real MuJoCo: a fingertip is pressed on an
+// object that sets no friction, pushed and twisted, and must slip where the friction ellipsoid
+// says.
 //
 // MuJoCo's friction is soft, so the criteria are accelerations. Held: the velocity no longer
 // changes, and a second after the load came it is far below what the load alone gives. Slipping:
-// the acceleration is that of load less friction, (T - T_max)/I, which weighs T_max.
+// the acceleration is that of load less friction, (T - T_max)/I, which measures T_max.
 
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -100,7 +100,7 @@ class MujocoExport : public testing::Test {
     return data;
   }
 
-  /// Then also pushed and twisted for a second.
+  /// After pressing, also pushes and twists for a second.
   Motion move(double push_N, double torque_Nm) const {
     const Data data = pressed();
     data->qfrc_applied[0] = push_N;

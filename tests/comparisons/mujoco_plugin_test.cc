@@ -32,7 +32,7 @@ ContactProblem pad(double load_N) {
   return problem;
 }
 
-/// By the model itself.
+/// Eccentricity e_n by the model itself.
 double eccentricity_m(double load_N) {
   return find_pressure_model("fingertip_layer")->predict(pad(load_N)).torque_arm_exact_m;
 }
@@ -175,7 +175,8 @@ TEST(MujocoPlugin, WorksWithEveryIntegratorAndSolver) {
     }
 }
 
-// What the plugin writes into MuJoCo's arrays is what MuJoCo makes of a geom with this friction.
+// The plugin writes the values into MuJoCo's arrays that MuJoCo computes for a geom with this
+// friction.
 TEST(MujocoPlugin, LeavesTheArraysThatMujocoMakesOfTheSameFriction) {
   for (const int solver : {mjSOL_PGS, mjSOL_CG, mjSOL_NEWTON})
     for (const int jacobian : {mjJAC_DENSE, mjJAC_SPARSE})

@@ -55,7 +55,7 @@ TEST(NearestName, SaysSoOrNothing) {
 }
 
 TEST(NearestName, LooksAtTheBeginningOfAnEndlessWord) {
-  // Of sixteen million letters the first 200: else the comparison would take minutes.
+  // Only the first 200 of sixteen million letters count: else the comparison would take minutes.
   EXPECT_EQ(text::nearest_name("thickness_" + std::string(1 << 24, 'm'),
                                {"poisson_ratio", "thickness_mm"}),
             std::nullopt);

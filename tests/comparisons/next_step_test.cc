@@ -1,4 +1,4 @@
-// What a user is told to do where an answer is not usable: each remedy is taken and asked again.
+// Advice to a user whose answer is not usable: each remedy is taken and the case asked again.
 #include "comparisons/judgement/next_step.h"
 
 #include <gtest/gtest.h>

@@ -231,7 +231,8 @@ TEST_F(Program, SaysWhatAContactBearsAgainstTilting) {
   const double arm = std::pow(std::sin(low), 3) / softfinger::kPi;
   EXPECT_NEAR(answer["tilt_limit_Nm"][0].get<double>(), load_N * b_m * arm, 1e-9 * load_N * b_m);
   EXPECT_NEAR(answer["tilt_limit_Nm"][1].get<double>(), load_N * a_m * arm, 1e-9 * load_N * a_m);
-  // About the long axis it rolls along the short one, across which the relative radius is less.
+  // A turn about the long axis rolls it along the short one, along which the relative radius is
+  // smaller.
   const json geometry = json::parse(
       run({"predict", file.string(), "--model", "hertz", "--json"}).out)["geometry"][0]["radii_m"];
   EXPECT_LT(geometry[1].get<double>(), geometry[0].get<double>());
@@ -346,7 +347,7 @@ TEST_F(Program, CarriesTheFitsUncertaintyToEllipseAndTorque) {
   EXPECT_GT(bumpy, 2 * smooth) << smooth;
   EXPECT_LT(bumpy, 0.2);
   const ProgramRun table = run({"predict", file.string(), "--explain"});
-  // The table tells the same as the JSON object.
+  // The table states the same as the JSON object.
   const json open =
       json::parse(run({"predict", file.string(), "--model", "hertz", "--json"}).out)["results"][0];
   const double left_mm =
@@ -418,7 +419,8 @@ TEST_F(Program, KeepsTheColumnsOfItsTableApart) {
       const std::vector<std::string> cells{std::istream_iterator<std::string>(words), {}};
       if (cells.size() < 2 || cells[0] != "hertz" || !std::isdigit(cells[1][0])) continue;
       ++rows;
-      // Of the usable models and, with their numbers in full, of all.
+      // A row is in the table of the usable models or, with its numbers in full, in that of all
+      // models.
       EXPECT_TRUE(cells.size() == 11u || cells.size() == 12u) << line;
     }
     EXPECT_GE(rows, 1);
@@ -1110,44 +1112,6 @@ TEST_F(Program, SelectWritesAPageOfASceneToo) {
   EXPECT_NE(page.find("plate – left_tip"), std::string::npos);
 }
 
-TEST_F(Program, ExtremesCountsEveryAnswerAndViolatesNoInvariant) {
-  const std::vector<std::string> arguments = {"extremes",      "--points", "1600",
-                                              "--slow-points", "3",        "--json"};
-  const ProgramRun result = run(arguments);
-  ASSERT_EQ(result.status, 0) << result.err;
-  const json survey = json::parse(result.out);
-  EXPECT_GE(survey["models"].size(), 6u);
-  for (const json& model : survey["models"]) {
-    const int tried = model["tried"];
-    EXPECT_EQ(tried + model["nonsense_tried"].get<int>(), model["hot_path"] == true ? 1600 : 3);
-    const int valid = model["valid"], outside = model["answered_outside_validity"],
-              refused = model["refused"];
-    EXPECT_EQ(valid + outside + refused, tried);
-    int reasons = 0;
-    for (const json& reason : model["refusals"]) {
-      EXPECT_GT(reason["reason"].get<std::string>().size(), 20u);
-      reasons += reason["count"].get<int>();
-    }
-    EXPECT_EQ(reasons, refused) << model["model"];
-    EXPECT_TRUE(model["broken_promises"].empty()) << model["broken_promises"];
-    for (const json& axis : survey["axes"]) {
-      int in_bins = 0;
-      for (const json& bin : model["decades"][axis["key"].get<std::string>()])
-        in_bins += bin["valid"].get<int>() + bin["answered"].get<int>() + bin["refused"].get<int>();
-      EXPECT_EQ(in_bins, tried) << axis;
-    }
-    if (model["hot_path"] == true) {
-      EXPECT_LT(model["ranges"]["load_N"][0], 1e-11);
-      EXPECT_GT(model["ranges"]["load_N"][1], 1e8);
-    }
-  }
-  // The same problems: the same counts.
-  json again = json::parse(run(arguments).out);
-  for (std::size_t i = 0; i < again["models"].size(); ++i)
-    EXPECT_EQ(again["models"][i]["decades"], survey["models"][i]["decades"]);
-  expect_refusal({"extremes", "--points", "10"}, "--points");
-}
-
 TEST_F(Program, HoldsTheTheoryAgainstMeasurements) {
   // Some of the built-in data sets are at odds with the theory.
   const ProgramRun all = run({"experiments", "--json", "--page", "rubber.html"});
@@ -1221,10 +1185,9 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   folder.write("step_0002.txt", contact_problem_text());
   folder.write("hand.xml", file_text(SOFTFINGER_HAND));
   for (const std::string command :
-       {"",           "predict",     "fit",       "fem",  "compare", "select",
-        "extremes",   "experiments", "calibrate", "area", "export",  "apply",
-        "list",       "explain",     "lcp",       "mesh", "init",    "doctor",
-        "completion", "manual",      "explore"}) {
+       {"",          "predict", "fit",    "fem",        "compare", "select",  "experiments",
+        "calibrate", "area",    "export", "apply",      "list",    "explain", "lcp",
+        "mesh",      "init",    "doctor", "completion", "manual",  "explore"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

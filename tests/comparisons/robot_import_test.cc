@@ -95,7 +95,7 @@ class Robots : public testing::Test {
   std::string text_;
 };
 
-/// The same file in MuJoCo, with its contacts and steps or without contacts, stepped by RK4.
+/// The imported file in MuJoCo: as it is, or without contacts and with steps by RK4.
 struct Mujoco {
   explicit Mujoco(const fs::path& file, bool as_it_is = false) {
     char error[1000] = "";
@@ -325,7 +325,7 @@ std::string sled(const std::string& option, const std::string& floor, const std:
          box + "/></body></worldbody></mujoco>";
 }
 
-/// How far body `b` of a scene gets along an axis within its second.
+/// Returns the displacement (m) of body `b` of a scene along an axis within the scene's second.
 double way_m(const input::Scene& scene, std::size_t b, int axis) {
   const simulation::Simulation run = simulation::simulate(scene);
   EXPECT_EQ(run.failure, "");
@@ -333,7 +333,7 @@ double way_m(const input::Scene& scene, std::size_t b, int axis) {
          run.recording.frames.front().poses[b].translation()(axis);
 }
 
-/// The same of MuJoCo's body `b`, which counts the world.
+/// Returns the displacement (m) of MuJoCo's body `b`, counted with the world as 0, within a second.
 double mujoco_way_m(const fs::path& file, int b, int axis) {
   Mujoco reference(file, true);
   const double start = reference.data->xpos[3 * b + axis];
@@ -517,7 +517,7 @@ TEST_F(Robots, LimitMotorsAsTheRangesOfForceAndControlDo) {
     EXPECT_NEAR(scene.motors[0].max_effort, std::abs(reference.data->qfrc_actuator[0]), 1e-9)
         << motor;
   }
-  // What a position actuator is told is no force.
+  // The control range of a position actuator is no limit of its force.
   EXPECT_TRUE(
       std::isinf(import("position.xml",
                         text("<position joint='j' kp='9' ctrlrange='-1 1' ctrllimited='true'/>"))
@@ -651,7 +651,7 @@ std::string ode_friction(const std::string& mu) {
   return "<friction><ode><mu>" + mu + "</mu><mu2>" + mu + "</mu2></ode></friction>";
 }
 
-/// As the program reads SDF, in which this test has no part.
+/// Reads SDF through the program: this test itself has no reader of SDF.
 class SdfRobots : public Robots {
  protected:
   input::Scene import_sdf(const std::string& text) {
@@ -681,7 +681,7 @@ TEST_F(SdfRobots, HaveTheSmallerFrictionOfTwoSurfaces) {
   const input::Scene holds = import_sdf(sdf_world(ode_friction("2"), ode_friction("2")));
   EXPECT_EQ(holds.rule(0, 1).shear_law.friction_coefficient, 2);
   EXPECT_NEAR(way_m(holds, 1, 0), 0, 1e-6) << "2 times 9.81 is above 12";
-  // Without a word a surface has 1.
+  // A surface without the element has 1.
   EXPECT_EQ(import_sdf(sdf_world(ode_friction("2"), "")).rule(0, 1).shear_law.friction_coefficient,
             1);
   EXPECT_EQ(import_sdf(sdf_world(ode_friction("2"), ode_friction("0.5")))

@@ -1,4 +1,4 @@
-// What `softfinger apply` writes, read by libsdformat, Gazebo's reader of SDF and URDF.
+// Output of `softfinger apply`, read by libsdformat, Gazebo's reader of SDF and URDF.
 
 #include <gtest/gtest.h>
 

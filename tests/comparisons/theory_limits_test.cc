@@ -1,4 +1,4 @@
-// Where the finite elements' answer is beyond the theory by which they found it.
+// Checks whether finite-element answers lie within the theory they were solved with.
 #include "comparisons/reference/theory_limits.h"
 
 #include <gtest/gtest.h>

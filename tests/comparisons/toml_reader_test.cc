@@ -1,4 +1,4 @@
-// What a TOML file may look like before its tables mean anything.
+// Limits of a TOML file's text, checked before its tables mean anything.
 #include <gtest/gtest.h>
 
 #include <string>

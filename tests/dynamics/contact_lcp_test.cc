@@ -111,7 +111,7 @@ TEST(ContactLcp, ProvesThatClosingWallsCannotBeWithstood) {
   EXPECT_EQ(result.proof, RayProof::infeasible);
   EXPECT_LE((problem.delassus * solution.ray).norm(), kLcpRoundOff * solution.ray.norm());
   EXPECT_LT(solution.ray.dot(problem.free_velocity), 0);
-  // The same walls, opening as fast as the other closes, are no problem.
+  // If one wall opens as fast as the other closes, the problem is solvable.
   problem.free_velocity[4] = 1;
   EXPECT_EQ(solve(problem, solution).status, LcpStatus::solved);
 }

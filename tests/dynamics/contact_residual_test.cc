@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kOneRoundOff = 1e-15;
 
-/// Both directions of each axis: forces along the tangents, torques about the normal.
+/// Directions of each axis, both signs: forces along the tangents, torques about the normal.
 Eigen::Matrix3Xd axes() {
   Eigen::Matrix3Xd vertices(3, 6);
   vertices << Eigen::Matrix3d::Identity(), -Eigen::Matrix3d::Identity();
@@ -178,7 +178,7 @@ TEST(ExactContactResidual, SeesFrictionBeyondTheLimit) {
 }
 
 TEST(ExactContactResidual, SeesFrictionThatIsNotAgainstTheSlip) {
-  // At rest along x, but slides along y at 1 m/s without friction there.
+  // The body rests along x, but slides along y at 1 m/s without friction there.
   const ContactLcp problem = block({-1, 0.5, 1, 0}, FrictionRule::ellipsoid);
   EXPECT_GE(exact_residual(problem, {2, -1, 0, 0}), 0.2);
   // Slips without any friction: it could move by W s = 0.5 m/s of 1 m/s.

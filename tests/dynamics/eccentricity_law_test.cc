@@ -91,8 +91,8 @@ TEST(EccentricityLaw, NeedsTwoSolvesWhereTheLoadIsGiven) {
   EXPECT_NEAR(problem.eccentricity_m[0], 0.001 * std::pow(0.02 / kStep_s, 0.25), 1e-15);
 }
 
-/// As the load is where the contact problem has several solutions: almost what is used at first,
-/// then for good that of another one.
+/// A law that answers as if the contact problem had several solutions: at first almost with the
+/// value in use, then for good with that of another solution.
 class LawOfAnotherSolution final : public EccentricityLaw {
  public:
   double eccentricity_m(double) const noexcept override {

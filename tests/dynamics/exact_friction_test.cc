@@ -189,7 +189,7 @@ TEST(ExactFriction, ContactsAcrossEachOtherShareForcesAndTorque) {
   constexpr double kLeastFelt_m = 1e-7;  // shorter arms move by less than the residual allows
   constexpr double kInertia_kg_m2 = 1e-3, kClosing_m_per_s = 0.1, kSideways_m_per_s = 0.02;
   for (const double arm_m : {1e-2, 1e-5, 1e-7, 1e-8, 1e-9, 1e-10}) {
-    // By rows: along the normal, two tangents, about the normal; of the body x, y, z, spin.
+    // Rows: along the normal, two tangents, about the normal. Columns: x, y, z, spin of the body.
     Eigen::Matrix<double, 8, 4> jacobian = Eigen::Matrix<double, 8, 4>::Zero();
     for (int i = 0; i < 2; ++i) {
       const double side = i == 0 ? 1 : -1;

@@ -212,7 +212,7 @@ TEST(Loops, StayClosedUnderContactsAndMotors) {
     fastest = std::max(fastest, stepper.bodies().velocity().lpNorm<Eigen::Infinity>());
   }
   std::printf("linkage on its limit: open by at most %.1e m\n", open);
-  // What a step leaves open is of second order in its turn, and closed by the next one.
+  // The gap that a step leaves is of second order in its rotation, and the next step closes it.
   EXPECT_LE(open, linkage.coupler * std::pow(fastest * 1e-3, 2));
   EXPECT_NEAR(stepper.bodies().joint_position(0), 1, 1e-9);
   EXPECT_LE(stepper.bodies().velocity().norm(), 1e-9);

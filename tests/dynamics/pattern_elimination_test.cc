@@ -28,7 +28,7 @@ struct Sum {
         of_columns.middleCols<kBody>(first) = matrix<kRows, kBody>(random);
       }
       rows.append(kRows, size, [&](int k) { return of_columns.col(k).data(); });
-      // Rubbing makes A asymmetric, and little else.
+      // Sliding friction makes A asymmetric, and little else.
       const Eigen::Matrix4d root = matrix<kRows, kRows>(random);
       own.push_back(root * root.transpose() + 0.3 * matrix<kRows, kRows>(random));
       dense += of_columns.transpose() * own.back() * of_columns;

@@ -52,8 +52,9 @@ TEST(PreslidingElements, ReachTheLimitAndNoMore) {
   EXPECT_NEAR(elements.wrench().z(), kTorque_Nm, 1e-2 * kTorque_Nm);
 }
 
-// As a step has it: the wrench that the contact exerts is that at the start less displacement over
-// compliance. Whatever the motion and the load, the springs gain no more than the bodies gave.
+// The load history is that of a time step: the contact exerts the wrench at the start less
+// displacement over compliance. Whatever the motion and the load, the springs gain no more than the
+// bodies gave.
 TEST(PreslidingElements, MakeNoEnergyInRandomHistories) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal(0, 1);

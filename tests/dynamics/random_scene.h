@@ -29,8 +29,9 @@ class RandomScenes {
   /// apart: contacts change what they do.
   void step(ContactLcp& problem, const ContactSolution& solution, double amount);
 
-  /// The same scene, nearly: each contact moved by `amount` of its arm and turned by `amount` rad,
-  /// velocities changed by up to `amount` of themselves, at random. A step of steady motion.
+  /// Perturbs the scene of `problem` at random, as a step of steady motion does: each contact is
+  /// moved by `amount` of its arm and turned by `amount` rad, velocities change by up to `amount`
+  /// of themselves.
   void disturb(ContactLcp& problem, double amount);
 
   double uniform(double lowest, double highest) {

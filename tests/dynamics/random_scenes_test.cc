@@ -114,9 +114,9 @@ TEST(RandomScenes, NoneFailsWhereTheBodiesAreKnown) {
   EXPECT_EQ(count.failures + count.wedged, 0);
 }
 
-/// Contacts that were repeated exactly become duplicates to 1e-9 of their arm: what tells them
-/// apart is a part of 1e-18 in W, below its rounding. One in a thousand is not solved to 1e-10, but
-/// all are to what a time step accepts.
+/// Contacts that were repeated exactly become duplicates to 1e-9 of their arm: they differ by a
+/// part of 1e-18 in W, below its rounding. One in a thousand is not solved to 1e-10, but all are to
+/// what a time step accepts.
 TEST(RandomScenes, DuplicatesToNineDigitsAreSolvedOrAccepted) {
   constexpr int kScenes = 1500;
   const double accepted = TimeStepper::Options().accepted_residual;
@@ -200,7 +200,8 @@ TEST(RandomScenes, HundredContactsAreNearlyAllSolvedWithoutAPath) {
     }
     EXPECT_GE(without_path, kScenes - 1) << are_bodies_known;
     EXPECT_GE(from_first_start, kScenes * 9 / 10) << are_bodies_known;
-    // Of 1,024 such scenes three are solved to the rounding of W r only, either way.
+    // Three of 1,024 such scenes are solved to the rounding of W r only, whether the bodies are
+    // known or not.
     EXPECT_LE(wedged, are_bodies_known ? 1 : 0);
   }
 }

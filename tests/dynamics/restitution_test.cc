@@ -115,7 +115,7 @@ TEST(Restitution, OfACradleIsNewtons) {
     return Vector3d(stepper.bodies().velocity()[0], stepper.bodies().velocity()[6],
                     stepper.bodies().velocity()[12]);
   };
-  // Apart by more than a step's way they hit one by one, as the toy's balls do.
+  // Balls farther apart than they move in a step hit one by one, as the toy's balls do.
   EXPECT_LE((speeds_after(2.5e-3) - Vector3d(0, 0, 1)).norm(), 1e-9);
   // Touching, Newton's law holds for both contacts at once.
   EXPECT_LE((speeds_after(0) - Vector3d(-1, 2, 2) / 3).norm(), 1e-9);

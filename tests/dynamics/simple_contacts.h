@@ -8,7 +8,7 @@
 
 namespace softfinger::tests {
 
-/// Contacts of balls and of boxes' corners in closed form, of the pairs that it is told.
+/// Contacts of balls and of boxes' corners in closed form, for a given list of pairs.
 class SimpleContacts final : public ContactFinder {
  public:
   struct Pair {

@@ -1,5 +1,5 @@
-// Motion without contacts: order two, energy and momenta over many steps, and how it gives way to
-// contacts and joint limits.
+// Motion without contacts: order two, energy and momenta over many steps, and its transition to
+// motion with contacts and joint limits.
 #include "softfinger/dynamics/bodies/smooth_motion.h"
 
 #include <gtest/gtest.h>
@@ -69,10 +69,10 @@ VectorXd positions_after(TimeStepper stepper, double time_s,
   return result;
 }
 
-/// log2 of how much smaller the error becomes when the time step is halved, twice in a row.
+/// Expects the error to fall with the square of the time step, for two halvings in a row.
 void expect_second_order(const Multibody& bodies, double time_s, double time_step_s,
                          const std::vector<AppliedForce>& forces = {}) {
-  // Where the error is C dt² + D dt⁴, differences of halved steps have ratios 4 + 15 D/C dt².
+  // With the error C dt² + D dt⁴, differences of halved steps have ratios 4 + 15 D/C dt².
   std::array<VectorXd, 4> at;
   for (int i = 0; i < 4; ++i)
     at[std::size_t(i)] = positions_after(
@@ -162,11 +162,11 @@ TEST(SmoothMotion, KeepsTheEnergyOfADoublePendulumForAHundredThousandSteps) {
         "double pendulum, %d steps of %g ms: energy within %.1e and %.1e m g l, at the end "
         "%.1e\n",
         steps, 1e3 * time_step, least, most, (total_energy_J(stepper) - start) / scale);
-    // Of second order: the bound is a multiple of (dt w)², w² = g/l; the fastest turns are ten
-    // times faster than that.
+    // The error is of second order: the bound is a multiple of (dt w)², w² = g/l; the fastest turns
+    // are ten times faster than that.
     const double bound = 100 * time_step * time_step * kStandardGravity / length;
     EXPECT_LE(most - least, bound);
-    // And it does not grow: the second half needs no wider band than chance makes of the first.
+    // It does not grow: the second half needs no wider band than chance makes of the first.
     EXPECT_LE(most - least, 2 * middle);
   }
 }

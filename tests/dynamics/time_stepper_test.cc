@@ -621,7 +621,7 @@ TEST(Motors, HoldALoadAtTheStaticDeflection) {
   for (int i = 0; i < 3000; ++i) ASSERT_TRUE(carriage.step().done());
   EXPECT_NEAR(carriage.position(), 0.3 + mass * kGravity / stiffness, 1e-12);
   EXPECT_NEAR(carriage.stepper.motor_effort(0), -mass * kGravity, 1e-9);
-  // The same load known beforehand: no deflection.
+  // With the load known beforehand there is no deflection.
   carriage.stepper.motors()[0].feed_forward = -mass * kGravity;
   for (int i = 0; i < 3000; ++i) ASSERT_TRUE(carriage.step().done());
   EXPECT_NEAR(carriage.position(), 0.3, 1e-12);
@@ -825,8 +825,8 @@ struct ConstantShearStress final : EccentricityLaw {
 };
 
 TEST(Eccentricity, OfConstantShearStressTurnsWithTwoThirdsPiTauACubed) {
-  // As above, pressed ever harder: the torque is proportional to a³, here to the load, and the
-  // contact never learns that its own coefficient is another one.
+  // Pressed ever harder, the torque is proportional to a³, here to the load. The law replaces the
+  // contact's own coefficient of friction.
   const ConstantShearStress law;
   const double radius = 0.02;
   BodyDescription ball = tests::ball("ball", radius, 0.1, Vector3d(0, 0, radius + 1e-3));

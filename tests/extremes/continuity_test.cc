@@ -10,19 +10,19 @@
 #include <utility>
 #include <vector>
 
-#include "comparisons/extremes/jumps.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/friction/six_patch_surface.h"
 #include "softfinger/input/constants.h"
 #include "tests/extremes/extreme_problem.h"
+#include "tests/extremes/jumps.h"
 
 namespace softfinger {
 namespace {
 
-using extremes::kNumbers;
-using extremes::largest_jump;
-using extremes::Numbers;
 using testing::ExtremeProblems;
+using testing::kNumbers;
+using testing::largest_jump;
+using testing::Numbers;
 
 /// Hertz with a jump at one load, as a switch between series leaves one.
 class Jumping final : public PressureModel {
@@ -31,7 +31,7 @@ class Jumping final : public PressureModel {
   const ModelCard& card() const noexcept override { return hertz_.card(); }
   Prediction predict(const ContactProblem& problem) const noexcept override {
     Prediction prediction = hertz_.predict(problem);
-    // Curved, so that the jump has to be told from the curvature.
+    // Curved, so that the jump has to be distinguished from the curvature.
     const double s = prediction.a_m / problem.layer.thickness_m;
     prediction.indentation_m *= (1 + s / (1 + s)) * (s > 0.7071 ? 1 + jump_ : 1);
     return prediction;
@@ -84,8 +84,8 @@ TEST_P(SwitchesOf, DoNotMakeNumbersJump) {
   std::printf("%-20s largest jump %.1e\n", std::string(model.card().name).c_str(), worst);
 }
 
-/// What a shape of contact carries, as fractions of the largest force and torque, and the logarithm
-/// of how much of it another wrench takes up; the six patches last.
+/// Wrench that a contact of this shape transmits, as fractions of the largest force and torque, and
+/// the logarithm of another wrench's utilisation; last the torque of the six patches.
 Numbers friction(double a_over_b, double exponent, const Twist& slip) {
   const LimitSurface surface(a_over_b, 1, exponent, 1);
   const double arm = surface.eccentricity_m();
@@ -97,7 +97,8 @@ Numbers friction(double a_over_b, double exponent, const Twist& slip) {
           patches.wrench_for_twist(slip).torque_Nm / arm};
 }
 
-/// Where the series of a circle, the two quadratures and the named exponents take turns.
+/// Paths across the switches between the series of a circle, the two quadratures and the named
+/// exponents.
 TEST(LimitSurfaceSwitches, DoNotMakeWrenchesJump) {
   ExtremeProblems random(11);
   double worst = 0;

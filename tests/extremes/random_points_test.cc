@@ -4,7 +4,6 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <string>
@@ -28,18 +27,17 @@ using testing::is_sound;
 /// any of the models.
 constexpr double kUnitsTolerance = 1e-12;
 
-/// How many points, and how often they ask a model beyond the first prediction.
+/// Numbers of points, and of those at which a model is asked for more than a first prediction.
 struct Effort {
   int points;
   int second_look;  ///< every so many points
-  double budget_s;  ///< of wall time
   double thinnest;  ///< least thickness over a half-space's contact
 };
 
 /// Models that discretise and iterate are asked for seconds only.
 Effort effort_for(const PressureModel& model) {
-  if (!model.card().hot_path) return {400, 8, 2, 0.2};
-  return {1000000, 1, 1e9, 1e-9};
+  if (!model.card().hot_path) return {64, 8, 0.2};
+  return {1000000, 1, 1e-9};
 }
 
 /// Whether no table ends before this problem. Beyond its table a model says so, and its answer only
@@ -59,15 +57,11 @@ TEST_P(RandomPoints, AreFiniteMonotoneAndFreeOfUnits) {
   ExtremeProblems problems(20070322, effort.thinnest);
   int points = 0, answers = 0, valid = 0, failures = 0;
   double worst_scale = 0;
-  const auto start = std::chrono::steady_clock::now();
-  const auto seconds = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
   const auto fail = [&](const char* what, const ContactProblem& problem) {
     ADD_FAILURE() << what << ": " << in_words(problem);
     ++failures;
   };
-  for (; points < effort.points && failures < 5 && seconds() < effort.budget_s; ++points) {
+  for (; points < effort.points && failures < 5; ++points) {
     if (points % 16 == 5) {
       const ContactProblem broken = problems.draw_broken();
       if (!is_sound(model.predict(broken))) fail("not finite", broken);
@@ -120,8 +114,9 @@ TEST_P(RandomPoints, AreFiniteMonotoneAndFreeOfUnits) {
     // incompressible sees its shear modulus only, which falls.
     other = problem;
     other.layer.poisson_ratio += (0.5 - other.layer.poisson_ratio) * problems.uniform(0, 1);
-    // That is linear theory: far pressed, a compressible layer stiffens, and finite elements find
-    // the contact of a sphere with a/R = 0.6 on a thick layer larger at nu = 0.3 than at 0.16.
+    // This holds in linear theory only: under large compression a compressible layer stiffens, and
+    // finite elements find the contact of a sphere with a/R = 0.6 on a thick layer larger at nu =
+    // 0.3 than at 0.16.
     const bool follows_linear_theory = model.card().name != "fingertip_layer";
     if (model.card().name != "thin_incompressible" && follows_linear_theory &&
         !no_larger(model.predict(other)))

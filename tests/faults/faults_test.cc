@@ -1,4 +1,4 @@
-// What the program does when memory, disk or descriptors fail under it, at each single call.
+// Behaviour of the program when memory, disk or descriptors fail under it, at each single call.
 
 #include <gtest/gtest.h>
 

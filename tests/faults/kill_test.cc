@@ -149,7 +149,7 @@ class Kill : public testing::TestWithParam<Writer> {
   const fs::path out_ = folder_.path() / "out", kept_ = folder_.path() / "kept";
 };
 
-/// How often this command is killed.
+/// Returns how often this command is killed: its share of SOFTFINGER_KILLS, once by default.
 int kills_of(const std::string& name) {
   const auto all = writers();
   const char* const asked = std::getenv("SOFTFINGER_KILLS");

@@ -85,7 +85,7 @@ TEST_P(CholeskyFactorIn, SolvesInHalves) {
   Eigen::VectorXd forward = factor.forward(right);
   const Eigen::VectorXd solution = factor.solve(right);
   EXPECT_LT((factor.backward(forward) - solution).norm(), within(1e-13));
-  // What holds them still is the Schur complement times how far they would go.
+  // The force that holds them still is the Schur complement times their free displacement.
   const Eigen::VectorXd force = factor.stiffness_of_last() * solution(last);
   EXPECT_LT((factor.force_on_last(forward) - force).norm(), within(1e-12) * force.norm());
   const Eigen::VectorXd more = Eigen::VectorXd::LinSpaced(5, 3, -2);
@@ -144,7 +144,7 @@ TEST_P(CholeskyFactorIn, RefusesAMatrixThatIsNotPositiveDefinite) {
                ConvergenceError);
 }
 
-/// In a child, since a limit on the address space cannot be taken back.
+/// Runs in a child process, since a limit on the address space cannot be taken back.
 void factorise_in_little_memory() {
   const SparseSymmetricMatrix matrix = laplacian(40);
   // Enough for the ordering and the analysis, not for the factor of about 150 MB.

@@ -64,7 +64,7 @@ TEST(EdgeShape, HasTheAreaOfItsPlaces) {
                           by_x = shape.place(at.x() + side, at.y()) - low,
                           by_y = shape.place(at.x(), at.y() + side) - low;
     const double area = by_x.x() * by_y.y() - by_x.y() * by_y.x();
-    // To the first order in the square's side.
+    // The ratio holds to the first order in the square's side.
     EXPECT_NEAR(shape.area_ratio(at.x(), at.y()), area / (side * side), 2 * side);
   }
 }

@@ -14,7 +14,7 @@ namespace {
 /// the solver's tables has to be moved here too, with its reason.
 constexpr double round_off = 1e-14;
 
-/// With eight elements the fourth power of a half of what linear elasticity misses with four.
+/// Errors of linear elasticity with eight elements: those with four, times 1/2 to the fourth power.
 constexpr double coarse_edge = 2e-3 / 16, coarse_area = 4e-3 / 16, coarse_peak = 5e-3 / 16,
                  coarse_integral = 5e-4 / 16;
 
@@ -67,7 +67,7 @@ TEST(ErrorModel, LevelsThatAgreeStateWhatBothMiss) {
   EXPECT_NEAR(linear.load, 1e-4 + coarse_integral, round_off);
   EXPECT_NEAR(linear.max_torque, 1e-4 + coarse_integral, round_off);
   const RelativeError finite = of_levels(finite_strain, level(4), level(8));
-  // With eight elements a quarter of what is missed with four.
+  // The error with eight elements is a quarter of that with four.
   EXPECT_NEAR(finite.a, 1e-3 + 6e-3 / 4, round_off);
   EXPECT_NEAR(finite.b, 1e-3 + 6e-3 / 4, round_off);
   EXPECT_NEAR(finite.area, 2e-3 + 1e-2 / 4, round_off);
@@ -188,7 +188,7 @@ TEST(ErrorModel, ContactOfTheMeshsOwnSizeHasItsEdgeOnCellEdges) {
   }
 }
 
-/// What a change of the setting adds to each error.
+/// Returns the amount that a change of the setting adds to each error.
 RelativeError added(const ErrorTable& table, const LevelResult& fine,
                     const std::function<void(ErrorSetting&)>& change) {
   ErrorSetting changed = setting();
@@ -229,7 +229,7 @@ TEST(ErrorModel, OutlineOfTheNodesIsKnownToAShareOfACell) {
     EXPECT_EQ(error.indentation, of_agreeing_levels(table, outlined(8)).indentation);
     EXPECT_EQ(error.max_torque, of_agreeing_levels(table, outlined(8)).max_torque);
   }
-  // On a mesh from outside about as many lie along b as were asked for.
+  // On a user's mesh about as many elements lie along b as were asked for.
   LevelResult fine = outlined(8);
   fine.cell_m = 0;
   EXPECT_NEAR(of_outlines(finite_strain, coarser(fine), fine).b, 0.034 / 8, round_off);
@@ -304,7 +304,7 @@ TEST(ErrorModel, StuckStiffnessIsExtrapolatedAndTheWholeCorrectionStated) {
   const double correction = (3.0 - 3.3) / (std::pow(2, 1.45) - 1);
   const ExtrapolatedStiffness stiffness = extrapolated_stiffness(3.3, 3.0, 2, 8);
   EXPECT_NEAR(stiffness.value, 3 + correction, 3 * round_off);
-  // With eight elements a quarter of what coarse levels miss.
+  // The error with eight elements is a quarter of that of coarse levels.
   EXPECT_NEAR(stiffness.error, -correction / 3 + 1e-3 + 5.2e-2 / 4, round_off);
 }
 

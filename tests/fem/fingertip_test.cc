@@ -39,7 +39,7 @@ TEST(Fingertip, ThatIsFlatIsTheFlatLayer) {
   problem.fingertip.object = meshes::quadric_object(0.1, 0.1);
   problem.fingertip.symmetric_object = true;
   const Result bent = solve(problem, quiet);
-  // The same mesh by another path: round-off through a condition of about 1e5.
+  // The mesh is the same, made by other code: round-off through a condition of about 1e5.
   EXPECT_NEAR(bent.finest.indentation_m / plain.finest.indentation_m, 1, 1e-9);
   EXPECT_NEAR(bent.finest.max_torque_Nm / plain.finest.max_torque_Nm, 1, 1e-9);
   EXPECT_NEAR(bent.finest.a_m / plain.finest.a_m, 1, 1e-9);
@@ -116,7 +116,8 @@ double largest_difference(const Result& one, const Result& other) {
 /// the springs that hold its surface cost two digits.
 constexpr double same_discretisation = 1e-7;
 
-/// Of a finger with one mirror plane, which an object without any hides.
+/// Solves a finger with one mirror plane by half of it and as a whole, as if the object had no
+/// mirror plane.
 std::pair<Result, Result> by_half_and_whole(Problem problem) {
   problem.fingertip.symmetric_object = true;
   Result half = solve(problem, quiet);
@@ -230,8 +231,8 @@ meshes::LayerMesh hexahedra_of(const CutPad& pad) {
   return mesh;
 }
 
-// Another way to the same contact: a mesh of hexahedra that ends at the cut by itself, without a
-// cloth, without a search for edges.
+// Solves the same contact on a mesh of hexahedra that ends at the cut by itself, without a cloth,
+// without a search for edges.
 TEST(ScannedFinger, IsPressedUpToItsSharpEdge) {
   const CutPad pad;
   constexpr double sphere_m = 15e-3, youngs_modulus_Pa = 1e5, load_N = 1;
@@ -282,7 +283,7 @@ Problem sphere_at_edge() {
 }
 
 // At the edge the pressure's centre lies beside the first touch. Motions turn about it: every part
-// of the contact then rubs across its arm.
+// of the contact then slips across its arm.
 TEST(ScannedFinger, IsTwistedAboutThePressuresCentre) {
   Problem problem = sphere_at_edge();
   const Result pressed = solve(problem, quiet);
@@ -297,7 +298,7 @@ TEST(ScannedFinger, IsTwistedAboutThePressuresCentre) {
   EXPECT_GT(beside_m, 0.1 * pressed.finest.b_m);
   EXPECT_NEAR(twisted.torsion->full_slip_Nm / pressed.finest.max_torque_Nm, 1,
               twisted.torsion->full_slip_error + pressed.error.max_torque);
-  // What is reported is seen from the first touch, as without friction.
+  // Outlines are given relative to the first touch, as without friction.
   const Eigen::Matrix2Xd &one = pressed.finest.outlines_m.front(),
                          &other = twisted.finest.outlines_m.front();
   EXPECT_NEAR(other.row(0).maxCoeff(), one.row(0).maxCoeff(), 0.1 * beside_m);
@@ -388,7 +389,7 @@ TEST(ScannedFinger, TipMayBendMoreSharplyThanItsLayerIsThick) {
   struct Reference {
     double across_m, approach, arm_m;
   };
-  // What the facets leave open, and what four cells along the radius do.
+  // Errors of the facets, and of four cells along the radius.
   constexpr double of_facets = 0.01, of_cells = 0.01;
   for (const Reference& tip :
        {Reference{7e-3, 0.3992, 1.3395e-3}, Reference{6.5e-3, 0.4421, 1.2861e-3},
@@ -405,7 +406,8 @@ TEST(ScannedFinger, TipMayBendMoreSharplyThanItsLayerIsThick) {
 }
 
 TEST(ScannedFinger, HasNoCoreThatLiesDeeperThanItIsThick) {
-  // Ways that lead to twice the thickness find nothing in a finger that is thinner than that.
+  // In a finger thinner than twice the thickness, the core's search directions find no place at
+  // that depth.
   EXPECT_FALSE(press_tip(tip_on_plane(5.5e-3), CoreWays::eroded));
   // Half as thick as the layer at its tip, the finger bears none.
   EXPECT_THROW(solve(tip_on_plane(4e-3), quiet), InputError);
@@ -435,8 +437,8 @@ Problem tapered_finger(double taper, const Eigen::Vector3d& place, double load_N
   return problem;
 }
 
-// Under 5.3 N the contact reaches where the tip bends more sharply than the layer is thick, and its
-// layer folds unless the core has a ridge there. Under less it does not.
+// Under 5.3 N the contact reaches where the tip's curvature exceeds one over the layer's thickness,
+// and its layer folds unless the core has a ridge there. Under less it does not.
 TEST(ScannedFinger, IsPressedOverItsCoresRidge) {
   const auto press = [](double load_N, bool& needs_ridge) {
     Problem problem = tapered_finger(0.15, {0.055, -0.786, 0.607}, load_N);

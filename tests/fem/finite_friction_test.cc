@@ -144,7 +144,7 @@ TEST(SuperposedMotion, LosesAndStoresWhatTheObjectDoes) {
     twist.turn_to(end * i / steps);
     work += 0.5 * (torque + twist.torque()) * end / steps;
     torque = twist.torque();
-    // Where nothing slips yet, `solve_friction` leaves 1e-9 of the motion.
+    // While nothing slips, `solve_friction` leaves an error of 1e-9 of the motion.
     EXPECT_GE(twist.dissipated_energy(), dissipated - 1e-9 * work);
     dissipated = twist.dissipated_energy();
   }
@@ -163,7 +163,7 @@ TEST(SuperposedMotion, GoesFromStickToTheTorqueOfItsPressure) {
       twist.turn_to(angle);
       EXPECT_GT(twist.torque(), torque);
       EXPECT_GE(twist.slip_fraction(), slip);
-      // Where nothing slips yet, `solve_friction` leaves 1e-9 of the motion.
+      // While nothing slips, `solve_friction` leaves an error of 1e-9 of the motion.
       EXPECT_LE(twist.torque() / (twist.stiffness() * angle), 1 + 1e-9);
       torque = twist.torque();
       slip = twist.slip_fraction();
@@ -552,7 +552,7 @@ TEST_F(SolvedFriction, OfASmallTwistIsSuperposed) {
     superposed.move_to(motion);
     solved.move_to(motion);
     const FrictionWrench one = solved.wrench(), other = superposed.wrench();
-    // What is left out is of second order in the strain, at which friction stores energy.
+    // Superposition neglects terms of second order in the strain, at which friction stores energy.
     const double second_order = 2 * superposed.stored_energy() / pressing.equilibrium().load;
     const double newton = 1e-3;  // of its steps, relative to the approach
     EXPECT_NEAR(one.torque / other.torque, 1, second_order + newton);
@@ -591,7 +591,7 @@ TEST_F(SolvedFriction, IsWrittenAsItIs) {
   ASSERT_LT(slip_fraction, 0.9);
   double largest_slip = 0, torque = 0;
   for (const auto& corners : surface.quadrilaterals) {
-    // By the midpoint of the corners: the lattice is fine against the field.
+    // Integrates by the midpoint of the corners: the lattice is fine against the field.
     const auto at = [&](std::size_t k) -> const RubbedSurface::Point& {
       return surface.points[corners[k]];
     };
@@ -663,7 +663,7 @@ TEST_F(SolvedFriction, IsTheSameInStepsOfAnyLength) {
   EXPECT_NEAR(solved.sheared().area_ratio, sheared.area_ratio, newton);
 }
 
-// Where a layer folds before full slip, it is inferred from slides with less friction.
+// If a layer folds before full slip, full slip is inferred from slides with less friction.
 TEST_F(SolvedFriction, InfersFullSlipFromSlidesWithLess) {
   constexpr double high = 0.7;
   const double force = high * pressing.equilibrium().load,
@@ -692,8 +692,7 @@ TEST_F(SolvedFriction, InfersFullSlipFromSlidesWithLess) {
   }
 }
 
-// What superposed motions neglect is a small part of a wrench: coarser cells tell it nearly as
-// well.
+// Superposed motions neglect a small part of a wrench, which coarser cells resolve nearly as well.
 TEST_F(SolvedFriction, NeglectedOfSlidesIsTheSameOnACoarserMesh) {
   LayerDiscretisation coarser = mesh_for(1.2, 1.2);
   coarser.elements_per_semi_axis = 3;
@@ -721,8 +720,8 @@ TEST_F(SolvedFriction, NeglectedOfSlidesIsTheSameOnACoarserMesh) {
   }
 }
 
-// The correction is that of the finer mesh; the coarser one tells its error, which is the square of
-// what is neglected otherwise.
+// The correction is that of the finer mesh; the coarser one yields its error, which without it is
+// taken as the square of the neglected part.
 TEST_F(SolvedFriction, StatesTheTwistsErrorByASecondMesh) {
   constexpr double high = 0.7;
   LayerDiscretisation fewer = mesh_for(1.2, 1.2);
@@ -772,7 +771,7 @@ TEST_F(SolvedFriction, ReachesFullSlipSoon) {
   }
 }
 
-// Where a long twist ended all points slip. A slide that starts there comes to the same state, in
+// At the end of a long twist all points slip. A slide that starts there comes to the same state, in
 // fewer iterations.
 TEST_F(SolvedFriction, SlidesTheSameWayFromAGuess) {
   finite::FrictionalPressing solved(pressing, kFriction);
@@ -791,8 +790,8 @@ TEST_F(SolvedFriction, SlidesTheSameWayFromAGuess) {
   EXPECT_NEAR(solved.wrench().torque / torque, 1, 1e-3);
 }
 
-// Slides that start from what those before let expect come to the states that each has alone, in
-// fewer iterations.
+// Slides that start from the extrapolated states of earlier ones come to the states that each has
+// alone, in fewer iterations.
 TEST_F(SolvedFriction, SlidesTheSameWayFromThoseBefore) {
   std::vector<PlaneMotion> velocities;
   for (const double angle : {0.0, 0.4, 0.8, 1.2})
@@ -825,7 +824,7 @@ TEST_F(SolvedFriction, OfALargeTurnIsThatOfASlide) {
   EXPECT_GT(solved.slip_fraction(), 0.9);
   const double turned = solved.wrench().torque;
   ASSERT_EQ(solved.slide({0, 0, 1}), 1);
-  // What sticks around the centre carries little. The chord of 0.9 rad would lose 10 %.
+  // The sticking region around the centre carries little. The chord of 0.9 rad would lose 10 %.
   EXPECT_NEAR(turned / solved.wrench().torque, 1, 0.01);
 }
 

@@ -324,7 +324,7 @@ TEST(ScannedSphere, IsTheSphereWithinWhatItsFacetsLeaveOpen) {
     EXPECT_NEAR(scan.finest.max_torque_Nm / sphere.finest.max_torque_Nm, 1,
                 scan.error.max_torque + sphere.error.max_torque + geometry.max_torque);
     EXPECT_NEAR(scan.finest.max_torque_Nm / sphere.finest.max_torque_Nm, 1, 0.01);
-    // What facets leave open falls with the square of their edges; its four samples scatter.
+    // The facets' uncertainty falls with the square of their edges; its four samples scatter.
     EXPECT_LT(geometry.indentation, before / 1.5);
     before = geometry.indentation;
   }
@@ -382,7 +382,7 @@ TriangleSurface table(double side) {
   return box;
 }
 
-/// What a scan of a sphere, R = 4 h, is pressed against at small strain.
+/// Problem of a scanned sphere, R = 4 h, pressed against an object at small strain.
 Problem scan_against(std::shared_ptr<const meshes::ObjectSurface> object) {
   constexpr double h = 2e-3, R = 4 * h;
   Problem problem;
@@ -414,7 +414,7 @@ TEST(ScanAgainst, ABoxThatEndsBesideTheContactIsAPlane) {
 }
 
 TEST(ScanAgainst, AHollowIsHollow) {
-  // The same sphere in a dish, as an exact paraboloid and as a mesh.
+  // The sphere lies in a dish, once an exact paraboloid and once a mesh.
   constexpr double R = 20e-3, wide = 12e-3;
   constexpr int rings = 40, sectors = 90;
   TriangleSurface dish;
@@ -462,12 +462,12 @@ TEST(ScanAgainst, ANarrowRidgeIsTheSameAlongXAndY) {
 
 TEST(ScannedFinger, ANormalThatItsRegionLeavesOpenIsPartOfTheGeometrysError) {
   // An egg, twice as long as wide, aimed at beside its blunt end by a normal that is 10 degrees
-  // off: the touch moves to where it bends otherwise.
+  // off: the touch moves to where its curvature differs.
   constexpr double h = 2e-3, R = 4 * h, infinity = std::numeric_limits<double>::infinity();
   constexpr double beside = 30 * M_PI / 180, off = 10 * M_PI / 180;
   const TriangleSurface egg = sphere_scan(R, 16);
   const Eigen::Vector3d aimed(2 * R * std::sin(beside), 0, R * std::cos(beside) - R);
-  // Of the ellipse x = 2 R sin, z = R cos.
+  // Inclination of the ellipse x = 2 R sin, z = R cos.
   const double inclined = std::atan2(std::sin(beside), 2 * std::cos(beside));
   Problem problem = scan_against(meshes::quadric_object(infinity, infinity, 0));
   const auto solve_turned = [&](double angle, double region_excess) {

@@ -168,8 +168,8 @@ TEST_F(UserMesh, OfLongCellsIsDividedAlongTheirLengthOnly) {
 }
 
 TEST_F(UserMesh, OfUnevenCellsIsRefinedWhereTheyAreLarge) {
-  // From one side of the contact to the other, which is 2 mm wide, cells of one sheet become four
-  // times as long: up to 18 times as long as wanted.
+  // Across the contact, which is 2 mm wide, the cells of one sheet become four times as long: up to
+  // 18 times as long as wanted.
   const auto uneven = block_of(
       {0, 3, 6, 10, 15}, {0, 0.5, 1, 1.5, 2.5, 4, 7, 15}, {-2, -1.2, -0.6, 0},
       [](Eigen::Vector3d& place) {
@@ -216,7 +216,7 @@ TEST_F(UserMesh, OfUnevenCellsIsRefinedWhereTheyAreLarge) {
       "%%\n",
       hanging, layer.unknowns(), on_own.layer().unknowns(), on_uneven.history().iterations,
       on_own.history().iterations, 100 * (found.load / expected.load - 1));
-  // What cells of a third of the contact miss.
+  // Error of cells of a third of the contact.
   constexpr double of_cells = 0.005;
   EXPECT_NEAR(found.load / expected.load, 1, of_cells);
   EXPECT_NEAR(found.energy / expected.energy, 1, of_cells);

@@ -119,8 +119,8 @@ TEST(LayerModel, LeavesOutCellsThatFold) {
       uneven(discretisation, 0.45, std::make_shared<UnevenlyCountedShape>(), no_plane);
   EXPECT_LT(uneven.unknowns(), even.unknowns());
   ASSERT_EQ(uneven.nodes().size(), even.nodes().size());
-  // What is left goes on for two thicknesses beside the contact. A free side wall there changes the
-  // mean deflection under an even pressure by 1.9 %.
+  // The rest of the layer extends two thicknesses beyond the contact. A free side wall there
+  // changes the mean deflection under an even pressure by 1.9 %.
   EXPECT_LT((uneven.compliance() - even.compliance()).cwiseAbs().maxCoeff(),
             0.02 * even.compliance().cwiseAbs().maxCoeff());
 }

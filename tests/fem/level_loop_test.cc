@@ -39,7 +39,7 @@ class KnownContact : public ContactPhysics {
   RoughSize size() const override {
     const LayerDiscretisation& mesh = pressed.back();
     const bool is_trial = levels.back() == 0;
-    // The outline that some nodes tell, larger and smaller in turn.
+    // Reports the outline of a few nodes, too large and too small in turn.
     const double told_a = pressed.size() % 2 == 0 ? a * jump : a / jump;
     // At the rim a contact is found no larger than the patch.
     const bool at_rim =
@@ -162,7 +162,7 @@ TEST_F(LevelLoop, MakesRoomForTheEdgeThatFrictionMoves) {
   const double usual = contact.pressed.back().patch;
   contact.edge_with_friction = 1.5;
   ASSERT_TRUE(solve());
-  // A node that touches in the outermost cells would tell that the room is too small.
+  // A node that touches in the outermost cells would show that the room is too small.
   EXPECT_NEAR(contact.pressed.back().patch, 1.5 + spare_margin / 8, 1e-12);
   EXPECT_GT(contact.pressed.back().patch, usual);
 }

@@ -110,7 +110,7 @@ TEST(NormalContact, IsTheSameByTheFactorOfNearlyTheSameNodes) {
     for (int j = 0; j < size; ++j) compliance(i, j) = std::exp(-std::abs(i - j) / 5.0);
   TouchingFactor kept;
   int bordered = 0;
-  // The contact rolls along, and after a third of its way grows and shrinks as it does.
+  // The contact rolls along, and after a third of its path grows and shrinks as it does.
   for (int step = 0; step < 60; ++step) {
     const Eigen::ArrayXd from_centre =
         Eigen::ArrayXd::LinSpaced(size, 0, size - 1) - 45 - step / 3.0;

@@ -112,7 +112,7 @@ TEST(ReferenceSolver, ApproachesHertzOnAThickLayer) {
 }
 
 TEST(ReferenceSolver, DoesNotLockNearIncompressibility) {
-  // The same integral equation at nu = 1/2 exactly.
+  // Same integral equation, at nu = 1/2 exactly.
   Expected expected{};
   const CircularLayer limit{0.5, 1, 1.8806668991706834, 0.5594154855629028, 0.5808313775752972};
   const Result result = solve(circular_problem(limit, expected), quiet);
@@ -373,7 +373,7 @@ TEST(ReferenceSolver, TellsTheLoadThatPressesALayerThrough) {
     EXPECT_NE(text.find("or finite strain"), std::string::npos) << text;
   }
   ASSERT_GT(largest_N, 0);
-  // Two digits are told.
+  // The message states two digits.
   const double rounding = 0.05;
   problem.contact.load.normal_force_N = largest_N * (1 - rounding);
   const double indentation_m = solve(problem, quiet).finest.indentation_m;
@@ -382,7 +382,7 @@ TEST(ReferenceSolver, TellsTheLoadThatPressesALayerThrough) {
   EXPECT_GT(indentation_m, (1 - 2 * rounding) * problem.contact.layer.thickness_m);
   problem.contact.load.normal_force_N = largest_N * (1 + rounding);
   EXPECT_THROW(solve(problem, quiet), InputError);
-  // What small strain refuses is answered at finite strain.
+  // Loads that small strain refuses are answered at finite strain.
   problem.contact.load.normal_force_N = 8;
   problem.finite_strain = MaterialChoice();
   EXPECT_LT(solve(problem, quiet).finest.indentation_m, problem.contact.layer.thickness_m);

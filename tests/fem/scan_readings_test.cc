@@ -16,7 +16,8 @@
 namespace softfinger::fem {
 namespace {
 
-/// A contact of size 1 that a reading changes by the share `change`: no mesh is made.
+/// A contact of size 1 that a perturbed scan (`Reading`) changes by the share `change`: no mesh is
+/// made.
 class ReadContact : public ContactPhysics {
  public:
   explicit ReadContact(double change, LayerDiscretisation mesh) : change_(change), mesh_(mesh) {}
@@ -54,7 +55,7 @@ class ReadContact : public ContactPhysics {
   LayerDiscretisation mesh_;
 };
 
-/// What happens to one kind of reading, at all of its perturbation.
+/// Effect of one kind of perturbed scan at its full perturbation.
 struct Effect {
   double change = 0;    ///< of the contact, in proportion to the part of the perturbation
   double folds_at = 2;  ///< part of the perturbation from which on the layer folds
@@ -68,7 +69,7 @@ class ScanReadings : public testing::Test {
     best.max_torque_Nm = best.load_N = 1;
   }
 
-  /// The effect of a reading, and the part of its perturbation that it makes.
+  /// Returns the effect of a perturbed scan, and the part of its full perturbation that it has.
   std::pair<Effect, double> effect_of(const Reading& reading, CoreWays ways) const {
     if (reading.doubt > 0) return {moved.at(reading.pattern - 1), reading.doubt};
     if (reading.smoothing > 1) return {smoother, (reading.smoothing - 1) / 0.5};
@@ -88,7 +89,7 @@ class ScanReadings : public testing::Test {
       ways_read.push_back(ways);
       const auto [effect, part] = effect_of(reading, ways);
       FingertipShape shape;
-      // How the fake contact learns of the reading.
+      // The reaches carry the effect of the perturbed scan to the fake contact.
       shape.reach_x = part * effect.change;
       shape.reach_y = part >= effect.folds_at ? 1 : 0;
       return shape;

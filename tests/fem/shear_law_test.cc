@@ -24,12 +24,12 @@ Problem thick_layer(Kind law) {
   problem.friction.increments = 6;
   problem.friction.limit_surface = 8;
   problem.shear_law = law;
-  // Of mu p_0, p_0 about 14 kPa.
+  // About half of mu p_0, with p_0 about 14 kPa.
   if (law != Kind::coulomb) problem.shear_strength_Pa = 2e3;
   return problem;
 }
 
-/// How far the layer is from a half-space, and the model's pressure from (1 - s²)^(1/2): relative.
+/// Relative deviation of the layer from a half-space and of its pressure from (1 - s²)^(1/2).
 constexpr double kNotHertz = 0.01;
 
 class ShearLawOnThickLayer : public testing::TestWithParam<Kind> {};
@@ -92,7 +92,7 @@ TEST(ShearLaw, NodesThatTouchHaveTheContactsAreaTogether) {
   EXPECT_EQ(share[1], 1);
   EXPECT_EQ(share[2], 0.75);
   EXPECT_EQ(share[3], 0);
-  // Nothing at the ellipse's edge touches: all nodes alike.
+  // With no touching node at the ellipse's edge, all nodes count alike.
   radius *= 0.5;
   const Eigen::VectorXd inside = strength_share(law, {force, area, radius, 0.1, 4.5});
   EXPECT_NEAR(inside.dot(area), 4.5, 1e-12);

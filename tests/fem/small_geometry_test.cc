@@ -16,7 +16,7 @@ TEST(SurfaceFrame, IsTheSmallestRotationToTheNormal) {
   EXPECT_LT((frame.transpose() * frame - Eigen::Matrix3d::Identity()).norm(), geometry_round_off);
   EXPECT_GT(frame.determinant(), 0);
   EXPECT_LT((frame.col(2) - normal).norm(), geometry_round_off);
-  // By the angle between z and the normal, and about an axis across both.
+  // The frame turns by the angle between z and the normal, about an axis across both.
   EXPECT_NEAR(Eigen::AngleAxisd(frame).angle(), std::acos(normal.z()), geometry_round_off);
   EXPECT_LT(
       (frame * normal.cross(Eigen::Vector3d::UnitZ()) - normal.cross(Eigen::Vector3d::UnitZ()))

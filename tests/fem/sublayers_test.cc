@@ -53,7 +53,7 @@ class ExactStack {
     return -solutions(sublayers_[0], k, 0).row(1).dot(coefficients.head<4>());
   }
 
-  /// Under the pressure (1 - r²)² on r < 1, whose Hankel transform is 8 J3(k)/k³.
+  /// Displacement under the pressure (1 - r²)² on r < 1, whose Hankel transform is 8 J3(k)/k³.
   double displacement(double r) const {
     // Simpson's rule; beyond the end the integrand is below k^-3.5.
     constexpr int steps = 4000;
@@ -150,8 +150,8 @@ TEST(Sublayers, SinkAsTheExactStackDoes) {
     const LayerModel fine(unit_contact(stack.interfaces, 8), stack.materials);
     for (const double x : {0.0, 0.5, 1.0}) {
       const double expected = exact.displacement(x), found = displacement(fine, x);
-      // At the pressure's rim the nodal forces may be right to the first order only, of which the
-      // difference of two meshes shows as much as is left.
+      // At the pressure's rim the nodal forces may be right to the first order only: the remaining
+      // error is as large as the difference of the two meshes.
       const double left = std::abs(found - displacement(coarse, x));
       EXPECT_NEAR(found, expected, left + 1e-4 * exact.displacement(0)) << "x " << x;
     }
@@ -184,7 +184,7 @@ TEST(Sublayers, OfASkinOverPulpHaveAnEdgeThatIsKnown) {
   problem.contact = {{R, R, 0}, {3e-3, 3e5, 0.45}, {load_N, 0.7}};
   problem.sublayers = {{{0.6e-3, 3e5, 0.45}, {}}, {{2.4e-3, 6e4, 0.49}, {}}};
   const Result result = solve(problem, silent);
-  // By the integral equation of the exact stack, to all digits that are shown.
+  // Reference: the integral equation of the exact stack, to all digits that are shown.
   EXPECT_NEAR(result.finest.a_m / 3e-3, 1, result.error.a);
   EXPECT_NEAR(result.finest.indentation_m / 9.263036600551442e-05, 1, result.error.indentation);
   EXPECT_LT(result.error.a, 0.03);
@@ -230,7 +230,7 @@ TEST(Sublayers, AtFiniteStrainAreThoseOfSmallStrainForSmallLoads) {
     pressing.press({0, approach});
     const NormalContact contact = solve_normal_contact_at(linear.compliance(), gap, approach);
     differences.push_back(pressing.equilibrium().load / (4 * contact.force.sum()) - 1);
-    // What finite strain changes is of the first order in d/h.
+    // The effect of finite strain is of the first order in d/h.
     EXPECT_LT(std::abs(differences.back()), 3 * approach);
   }
 }

@@ -1,4 +1,4 @@
-// One thread and several find the same, to the last digit, and tell it in the same order.
+// One thread and several find the same, to the last digit, and report it in the same order.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ struct Answer {
   std::vector<std::string> lines;
 };
 
-/// Without what depends on the machine.
+/// Answer without the parts that depend on the machine.
 Answer answer(const Problem& problem, int threads) {
   const ThreadLimit limit(threads);
   Answer result;

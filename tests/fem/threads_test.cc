@@ -77,7 +77,7 @@ TEST(Threads, WorkIsCountedOnceWhichThreadsEverDoIt) {
   const double whole = work_seconds() - begin;
   const double parts = std::accumulate(of_part.begin(), of_part.end(), 0.0);
   for (const double part : of_part) EXPECT_GT(part, 0);
-  // What threads need to find their work belongs to the whole alone.
+  // The time that threads need to find their work counts for the whole alone.
   EXPECT_GE(whole, parts * (1 - 1e-9));
   EXPECT_LT(whole, 1.5 * parts);
 }

@@ -1,4 +1,4 @@
-// What libFuzzer calls, for the target SOFTFINGER_FUZZ_TARGET.
+// Entry points of libFuzzer, for the target SOFTFINGER_FUZZ_TARGET.
 
 #include <algorithm>
 #include <cstddef>

@@ -133,7 +133,7 @@ TEST(ContactPatch, SaysThatTheSurfaceIsNarrowerThanTheContact) {
   const auto patch = fit_contact_patch(MeshContactPoint{&strip, Vector3d::Zero(), {}}, Quadric{}, 0,
                                        area_at(0.3e-3));
   EXPECT_TRUE(patch.agrees) << patch.remark;
-  // Of a disc the strip of 1.6 mm covers about 2 r w / (pi r²).
+  // The strip of 1.6 mm covers about 2 r w / (pi r²) of a disc.
   const double radius_m = std::sqrt(patch.region_area_m2 / kPi);
   EXPECT_NEAR(patch.covered, 2 * 1.6e-3 / (kPi * radius_m), 0.03);
   EXPECT_NE(patch.remark.find("narrower than the contact"), std::string::npos) << patch.remark;
@@ -165,7 +165,7 @@ TEST(ContactPatch, ReadsTheFacetsOfATessellatedWall) {
   EXPECT_NE(patch.remark.find("several of its facets"), std::string::npos) << patch.remark;
 }
 
-/// A finger that is pointed along x at its middle, blunter outside, and the other way along y, and
+/// A finger that along x is pointed at its middle and blunter outside, along y the reverse, and
 /// noisy all over: its ellipses change with the region.
 TriangleSurface uneven_finger(double noise_m) {
   unsigned state = 1;

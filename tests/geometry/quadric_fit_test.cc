@@ -181,7 +181,7 @@ TEST(QuadricFit, TellsHowTheRadiiChangeWithTheRegion) {
   EXPECT_FALSE(is_whole_surface(ball, top, nullptr, 4e-3));
 
   // Beyond 12.2 mm the ball leans by more than 75 degrees: larger regions are all the same, and
-  // comparing them tells nothing.
+  // there is nothing to compare.
   const auto whole = fit_quadric(ball, top, nullptr, 16e-3);
   EXPECT_TRUE(is_whole_surface(ball, top, nullptr, 16e-3));
   for (const double unknown : radii_region_change_m(ball, top, nullptr, whole))

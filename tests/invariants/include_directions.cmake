@@ -11,7 +11,7 @@
 #   <- program <- verification, studies
 #   everything <- comparisons, and in it:
 #   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting <- explorer;
-#   judgement <- extremes, experiments, calibration
+#   judgement <- experiments, calibration
 #   all of these <- report <- suite, sweep <- robots, commands, distributed
 # The models are compared with the finite elements, which therefore never see one.
 cmake_minimum_required(VERSION 3.22)
@@ -107,7 +107,6 @@ room(simulation "^fcl/" "^meshes/" "^zlib[.]h$")
 room(judgement)
 room(exporting "^mujoco/" "^tinyxml2[.]h$")
 room(explorer)
-room(extremes)
 room(experiments)
 room(calibration "^toml[+][+]/")
 room(report "^png[.]h$")

@@ -33,7 +33,7 @@ LayerMesh two_cells() {
   return mesh;
 }
 
-/// Of a cell with plane faces, by the tetrahedra from its middle.
+/// Volume of a cell with plane faces, by the tetrahedra from its middle.
 double volume(const HexahedralMesh& mesh, const std::array<int, 8>& cell) {
   const auto at = [&](int corner) {
     return mesh.vertices[static_cast<std::size_t>(cell[static_cast<std::size_t>(corner)])];

@@ -86,7 +86,7 @@ TEST(FingertipLayer, IsAsThickAsToldAlongTheNormal) {
 TEST(FingertipLayer, IsRegularOverItsReach) {
   for (const auto& [name, pad, thickness] : cases()) {
     const FingertipLayer layer(pad, thickness);
-    // As wide as the contact of a layer ever is.
+    // The layer reaches as far as its contact can ever be wide.
     EXPECT_GT(layer.reach_x(), 0.5 * std::min(pad->radius_x(), 10 * thickness)) << name;
     EXPECT_GT(layer.reach_y(), 0.5 * std::min(pad->radius_y(), 10 * thickness)) << name;
     EXPECT_GT(layer.verify(layer.reach_x(), layer.reach_y(), 61), 0) << name;

@@ -118,7 +118,7 @@ TEST(SmoothSurface, IsStraightAlongTheSliversOfACylinder) {
     vertex = Vector3d(vertex.z() - length / 2, vertex.y(), vertex.x() - skin_m);
   for (auto& triangle : surface.triangles) std::swap(triangle[1], triangle[2]);
   const SmoothSurface smooth(surface, {1e-3, 60 * M_PI / 180, 30e-3});
-  // Facets that are bent towards the small ones are ten times as far off.
+  // Facets whose normals lean towards the small ones are ten times as far off.
   const double facets_depth = skin_m * (1 - std::cos(kPi / strips));
   for (double along = -7e-3; along < 7.5e-3; along += 1e-3)
     for (double angle = -0.5; angle < 0.51; angle += 0.1) {

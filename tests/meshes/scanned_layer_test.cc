@@ -280,7 +280,7 @@ TEST_F(ScannedSphere, LayerEndsWhereItsCoreDoes) {
   EXPECT_NE(found.end_in(5e-3, 5.5e-3, 0, 0.5e-3), ClothEnd::none);
 }
 
-/// Half-axes of a spheroid whose tip, at the origin, bends with a radius of 2.2 mm.
+/// Half-axes of a spheroid whose tip, at the origin, has a radius of curvature of 2.2 mm.
 constexpr double spheroid_across = 5.5e-3, spheroid_along = 14e-3;
 
 /// Depth of a point below the spheroid, along its meridian.
@@ -327,7 +327,8 @@ TEST_F(ScannedSphere, ErodedCoreIsAConcentricSphere) {
                            Vector3d::UnitX(), h, 8e-3, nullptr, Erosion{});
   for (double x = -5e-3; x < 5e-3; x += 0.7e-3)
     for (double y = -5e-3; y < 5e-3; y += 0.7e-3)
-      // To 0.2 % of the depth of 2 h that the ways lead to, and of patches as above.
+      // Accuracy: 0.2 % of the depth of 2 h that the search directions lead to, and that of patches
+      // as above.
       EXPECT_NEAR((found.position(x, y, -1) - centre).norm(), R - h,
                   std::pow(1e-3 / R, 4) * R + 2 * 5e-3 * h);
 }

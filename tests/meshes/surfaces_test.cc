@@ -86,8 +86,8 @@ TEST(Surfaces, PadIsClosedConvexAndTapersToItsTip) {
 TEST(Surfaces, PadHasItsNamedRadiiAtItsMiddle) {
   const FingertipPad shape;
   const double region = 2e-3;
-  // What is left is the next order of the shape itself, about (region / smaller radius)² / 2, and
-  // the chords, (edge / radius)².
+  // The rest is the next order of the shape itself, about (region / smaller radius)² / 2, and the
+  // chords, (edge / radius)².
   const double tolerance = std::pow(region / shape.across_radius_m, 2) / 2 +
                            std::pow(shape.edge_length_m / shape.across_radius_m, 2);
   expect_fits(fingertip_pad(shape), fingertip_pad_middle(shape), region, tolerance);

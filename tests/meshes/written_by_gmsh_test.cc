@@ -1,4 +1,4 @@
-// What gmsh writes, in each of its formats, is what our own reader finds.
+// Files that gmsh writes, in each of its formats, are read back by our own reader.
 
 #include <gmsh.h>
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ void build() {
   gmsh::model::mesh::generate(3);
 }
 
-/// As gmsh holds it.
+/// Elements of the mesh that gmsh holds.
 Elements elements_in_gmsh() {
   Elements result;
   gmsh::vectorpair groups;

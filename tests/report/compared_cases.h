@@ -6,7 +6,7 @@
 #include "comparisons/judgement/model_errors.h"
 #include "comparisons/report/html.h"
 
-/// The errors that a sample report.json tells, as `compare` would have handed them to the page.
+/// The errors in a sample report.json, as `compare` would have handed them to the page.
 namespace softfinger::tests {
 
 std::vector<judgement::CaseErrors> compared_cases(const report::Json& report);

@@ -14,7 +14,7 @@
 namespace softfinger::report {
 namespace {
 
-// What is no literal of ours never becomes markup: none of these compiles.
+// Only our own literals become markup: none of the other constructions compiles.
 static_assert(std::is_constructible_v<Html, const char (&)[5]>);
 static_assert(!std::is_constructible_v<Html, char (&)[5]>, "a buffer that was filled");
 static_assert(!std::is_constructible_v<Html, const char*>);
@@ -22,7 +22,7 @@ static_assert(!std::is_constructible_v<Html, std::string>);
 static_assert(!std::is_constructible_v<Html, std::string_view>);
 static_assert(!std::is_assignable_v<Html&, std::string>);
 static_assert(!std::is_assignable_v<Html&, const char*>);
-// Nor does markup become a text by itself, which would be escaped a second time.
+// Nor does markup become a text implicitly, which would be escaped a second time.
 static_assert(!std::is_convertible_v<Html, std::string>);
 static_assert(!std::is_convertible_v<Html, std::string_view>);
 

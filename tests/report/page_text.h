@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-/// What tests read off a page of comparisons/report.
+/// Functions with which tests read a page of comparisons/report.
 namespace softfinger::tests {
 
 inline bool contains(const std::string& text, const std::string& part) {
@@ -30,8 +30,8 @@ inline std::string without_scripts(std::string page) {
   return page;
 }
 
-/// What is readable of markup without scripts: tags and no-break spaces as spaces, a true minus
-/// sign as a hyphen, nothing escaped.
+/// Returns the readable text of markup without scripts: tags and no-break spaces as spaces, a true
+/// minus sign as a hyphen, nothing escaped.
 inline std::string visible_text(const std::string& markup) {
   std::string text;
   bool inside_tag = false;
@@ -63,7 +63,7 @@ inline std::string in_one_line(const std::string& text) {
   return std::regex_replace(text, std::regex("\\s+"), " ");
 }
 
-/// What the page hands to its scripts.
+/// Returns the data that the page hands to its scripts.
 inline nlohmann::json chart_data_of(const std::string& page) {
   const std::string open = "id=\"data\">";
   const std::size_t from = page.find(open) + open.size();

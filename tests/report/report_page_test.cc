@@ -12,7 +12,6 @@
 
 #include "compared_cases.h"
 #include "comparisons/judgement/scoring.h"
-#include "comparisons/report/extremes_page.h"
 #include "comparisons/report/html.h"
 #include "comparisons/report/report_json.h"
 #include "comparisons/report/select_page.h"
@@ -214,7 +213,6 @@ struct RenderedPage {
 std::vector<RenderedPage> all_pages() {
   return {{tests::sample_report(), tests::page_of, "cases"},
           {tests::sample_selection(), render_selection, "choices"},
-          {tests::sample_survey(), render_extremes, "models"},
           {tests::sweep_with_fem(), render_sweep, "rows"}};
 }
 
@@ -321,15 +319,6 @@ TEST(ReportPage, ShowsTheAtlasOnlyWhereThereIsOne) {
   EXPECT_NE(tests::page_of(report).find("id=\"maps\""), std::string::npos);
   report.erase("atlas");
   EXPECT_EQ(tests::page_of(report).find("id=\"maps\""), std::string::npos);
-}
-
-TEST(ExtremesPage, NamesTheViolatedInvariantAndItsProblem) {
-  const std::string text = visible_text(without_scripts(render_extremes(tests::sample_survey())));
-  EXPECT_NE(text.find("1 of 2 models violated no invariant"), std::string::npos);
-  EXPECT_NE(text.find("violated 17 times"), std::string::npos);
-  EXPECT_NE(text.find("{{1, 2}, <3>}"), std::string::npos);
-  EXPECT_NE(text.find("375 times: no answer: R'' <must> be positive"), std::string::npos);
-  EXPECT_TRUE(contains(numbers_in(text), 1289 / 18.75, 1e-3));
 }
 
 // 0.10 is the tolerance of the sample; errors are set by hand.

@@ -183,27 +183,6 @@ async function read(page) {
     }
   }
 
-  // Parts of the answers in each bin (the page of the extremes): bars as high as their part.
-  function lookAtDecades() {
-    const pressed = page.querySelector('[data-setting="axis"] [aria-pressed="true"]')?.dataset.value;
-    for (const figure of figures("decades")) {
-      const y = axisOf(figure, "y");
-      const bins = report.models.find((m) => m.model === figure.dataset.model).decades[pressed];
-      const bars = marks(figure, "rect", "rect").map((rect) => ["y", "height"].map((name) => attribute(rect, name)));
-      const wanted = bins.flatMap(({valid, answered, refused}) => {
-        let bottom = 0;
-        return [valid, answered, refused].map((count) => {
-          const part = 100 * count / (valid + answered + refused);
-          bottom += part;
-          return [y.place(bottom), -part * y.per];
-        }).filter(([, high]) => high > 0);
-      });
-      expectPlace(`bars of ${figure.dataset.model}`, [bars.length], [wanted.length], 0);
-      bars.forEach((bar, i) => expectPlace(`bar ${i} of ${figure.dataset.model}`, bar, wanted[i] ?? []));
-    }
-  }
-
-  // Measured values, the fit's line and the residuals (the page of a calibration).
   function lookAtFit() {
     for (const figure of figures("fit")) {
       const x = axisOf(figure, "x", {log: true}), y = axisOf(figure, "y", {log: true});
@@ -235,12 +214,10 @@ async function read(page) {
   lookAtCases();
   lookAtValidity();
   lookAtSweep();
-  lookAtDecades();
   for (const button of all(".loads button")) {
     button.click();
     if (button.dataset.load !== undefined) lookAtCases(button.closest("[data-case]"));
     if (button.closest('[data-setting="ratio"], [data-setting="quantity"]')) lookAtValidity();
-    if (button.closest('[data-setting="axis"]')) lookAtDecades();
   }
   checks.lookAtLabels("all buttons");
   for (const input of all("input")) {

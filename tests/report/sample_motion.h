@@ -13,10 +13,11 @@ simulation::Recording sample_motion(int steps = 400);
 /// finely meshed fingertips and an object, and up to 14 contacts.
 simulation::Recording large_motion();
 
-/// The same with the fingers moving 1.5 m sideways meanwhile: far more than the objects are large.
+/// The largest motion with the fingers moving 1.5 m sideways meanwhile: far more than the objects
+/// are large.
 simulation::Recording far_motion();
 
-/// What a page must survive.
+/// Degenerate motions that a page must survive.
 simulation::Recording motion_without_contacts();
 simulation::Recording motion_of_one_frame();
 simulation::Recording empty_motion();

@@ -454,49 +454,6 @@ Json sample_selection() {
            {{"version", "0.1.0"}, {"date", "2026-01-31"}, {"command", "softfinger select <x>"}}}};
 }
 
-Json sample_survey() {
-  const auto model = [](const char* name, bool breaks) {
-    Json entry = {{"model", name},
-                  {"hot_path", !breaks},
-                  {"tried", 1875},
-                  {"valid", 211},
-                  {"answered_outside_validity", 1289},
-                  {"refused", 375},
-                  {"refusals", {{{"reason", "no answer: R'' <must> be positive"}, {"count", 375}}}},
-                  {"nonsense_tried", 125},
-                  {"nonsense_refused", 79},
-                  {"units_worst_deviation", 7.5e-15},
-                  {"largest_jump", breaks ? Json() : Json(9e-13)},
-                  {"slowest_call_ns", 1320},
-                  {"ranges", {{"load_N", {1e-12, 1e9}}, {"poisson_ratio", {0, 0.5}}}},
-                  {"broken_promises", Json::array()}};
-    Json loads = Json::array();
-    for (int decade = -12; decade < 9; ++decade)
-      loads.push_back({{"from", std::pow(10, decade)},
-                       {"to", std::pow(10, decade + 1)},
-                       {"valid", 12 + decade},
-                       {"answered", 30},
-                       {"refused", 4}});
-    entry["decades"] = {
-        {"load_N", loads},
-        {"poisson_ratio",
-         {{{"from", 0}, {"to", 0.05}, {"valid", 3}, {"answered", 4}, {"refused", 5}}}}};
-    if (breaks)
-      entry["broken_promises"] = {
-          {{"promise", "shrinks_under_load"}, {"count", 17}, {"first", "{{1, 2}, <3>}"}}};
-    return entry;
-  };
-  return {{"seed", 1},
-          {"points", 2000},
-          {"slow_points", 20},
-          {"axes",
-           {{{"key", "load_N"}, {"name", "load, N"}, {"logarithmic", true}},
-            {{"key", "poisson_ratio"}, {"name", "Poisson's ratio"}, {"logarithmic", false}}}},
-          {"models", {model("hertz", false), model("wobbly", true)}},
-          {"provenance",
-           {{"version", "0.1.0"}, {"date", "2026-01-31"}, {"command", "softfinger extremes"}}}};
-}
-
 Json sample_calibration() {
   const input::MeasurementTable table =
       input::read_measurements(SOFTFINGER_MEASUREMENTS "/inked_fingertip.csv");

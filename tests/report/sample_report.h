@@ -12,14 +12,10 @@ nlohmann::json sample_report();
 /// The largest report that the page must carry: `cases` cases with three loads and eight models.
 nlohmann::json large_report(int cases);
 
-/// What `softfinger select` makes its page of: three loads, of which one has no choice.
+/// Input of the page of `softfinger select`: three loads, of which one has no choice.
 nlohmann::json sample_selection();
 
-/// What `softfinger extremes` makes its page of: a model that violates no invariant, one that does
-/// not.
-nlohmann::json sample_survey();
-
-/// What `softfinger calibrate` says of the built-in measurements of a silicone fingertip.
+/// Answer of `softfinger calibrate` on the built-in measurements of a silicone fingertip.
 nlohmann::json sample_calibration();
 
 }  // namespace softfinger::tests

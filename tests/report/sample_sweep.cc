@@ -235,7 +235,7 @@ Json sweep_of_awkward_keys() {
   for (const double ratio : ratios)
     for (const double radius_mm : {-100., 20., 50., double(INFINITY)})
       sweep.add({ratio, radius_mm});
-  // As JSON has it: no infinity.
+  // The result is as JSON text has it: no infinity.
   return Json::parse(sweep.finished().dump());
 }
 

@@ -4,7 +4,7 @@
 
 namespace softfinger::tests {
 
-/// What `softfinger sweep` makes its page of, in the shape of comparisons/report/README.md. Numbers
+/// Inputs of the page of `softfinger sweep`, in the shape of comparisons/report/README.md. Numbers
 /// are plausible, not computed by the models: the page must not depend on them.
 
 /// The thickness from 0.5 to 5 mm in ten steps (log), three loads. A model's torque is

@@ -24,7 +24,7 @@ using nlohmann::json;
 
 constexpr int kPoints = 10000, kDetailed = 10;
 constexpr double kTolerance = 0.1;
-/// As many as the page draws.
+/// Numbers of points that the page draws.
 constexpr int kSectionPoints = 41, kProfilePoints = 49;
 
 json numbers_of(const PressureModel& model, const ContactProblem& problem) {
@@ -47,7 +47,7 @@ json numbers_of(const PressureModel& model, const ContactProblem& problem) {
           {"failing", failing}};
 }
 
-/// Along one axis of the ellipse, from pure force to pure torque.
+/// Section along one axis of the ellipse, from pure force to pure torque.
 json section_of(const LimitSurface& surface, const Eigen::Vector2d& axis, double eccentricity_m,
                 int points) {
   json section = json::array();
@@ -91,7 +91,7 @@ json profile_of(const PressureModel& model, const ContactProblem& problem) {
   return {{"long_Pa", along_long}, {"short_Pa", along_short}};
 }
 
-/// As `softfinger export` writes them.
+/// Settings of the simulators, as `softfinger export` writes them.
 json simulators_of(const PressureModel& model, const ContactProblem& problem) {
   input::Case contact_case;
   contact_case.id = "explorer";

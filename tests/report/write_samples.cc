@@ -6,7 +6,6 @@
 
 #include "compared_cases.h"
 #include "comparisons/report/calibration_page.h"
-#include "comparisons/report/extremes_page.h"
 #include "comparisons/report/page.h"
 #include "comparisons/report/report_page.h"
 #include "comparisons/report/select_page.h"
@@ -49,7 +48,6 @@ int main(int argc, char** argv) try {
        {std::pair{"sample", softfinger::tests::page_of(sample_report())},
         std::pair{"large", softfinger::tests::page_of(large_report(20))},
         std::pair{"selection", render_selection(sample_selection())},
-        std::pair{"extremes", render_extremes(sample_survey())},
         std::pair{"calibration", render_calibration(sample_calibration())},
         std::pair{"injected", injected_page()}})
     write_framed(folder, name, page, "report_reader.js");

@@ -93,7 +93,7 @@ class RestOfAMesh : public testing::TestWithParam<int> {
 TEST_P(RestOfAMesh, IsItsOwnHeight) {
   const MeshScene files(mesh.surface);
   const double height_m = -lowest_m(mesh.surface, Eigen::Isometry3d::Identity());
-  // Where it touches, nothing overlaps; a little above it falls down.
+  // Placed at its resting height nothing overlaps; from a little above it falls down.
   for (const double above_m : {0., 5e-4}) {
     SCOPED_TRACE(fmt::format("{} from {} m", mesh.name, above_m));
     const Simulation run = simulate(files.on_table(height_m + above_m, 0.4));
@@ -137,7 +137,7 @@ INSTANTIATE_TEST_SUITE_P(Meshes, RestOfAMesh, testing::ValuesIn(numbers(true)), 
 INSTANTIATE_TEST_SUITE_P(Meshes, RestOnAFlatSide, testing::ValuesIn(numbers(false)), name_of);
 
 TEST(MeshPlate, HoldsABoxByItsCorners) {
-  // Its corners lie in the middle of the plate's two large triangles.
+  // The box's corners lie in the middle of the plate's two large triangles.
   const TriangleSurface plate = meshes::rounded_box_surface(Vector3d(0.2, 0.2, 0.02), 0, 1);
   const MeshScene files(plate);
   const input::Scene scene = input::parse_scene(

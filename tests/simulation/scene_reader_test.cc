@@ -322,7 +322,7 @@ TEST_F(SceneProgram, RefusesRingsAndSecondParents) {
 TEST_F(SceneProgram, RefusesAMeshThatIsNotClosedWhereMassIsDerived) {
   folder.write("open.obj", "v 0 0 0\nv 10 0 0\nv 0 10 0\nv 0 0 10\nf 1 3 2\nf 1 2 4\nf 1 4 3\n");
   const std::string mesh = with(kHead + kBall, "sphere_radius_mm = 10", "mesh = \"open.obj\"");
-  // With the line of the body's mass or shape.
+  // The refusal names the line of the body's mass or shape.
   const std::string file = folder.write("scene.toml", mesh).string();
   const ProgramRun result = run({"simulate", file});
   EXPECT_EQ(result.status, 2) << result.err;
@@ -511,7 +511,7 @@ TEST(Scene, SaysWhatOfABodyWeighsTwice) {
   };
   const std::string ball = "{ sphere_radius_mm = 10 }";
   EXPECT_EQ(said(ball), "");
-  // Of 4 cm³ that are counted 1 cm³ is counted for the second time.
+  // The boxes' volumes add up to 4 cm³, of which 1 cm³ is counted twice.
   const std::string two_boxes =
       "{ box_size_mm = [10, 10, 20] }, { box_size_mm = [10, 10, 20], position_mm = [0, 0, 10] }";
   const std::string twice = said(two_boxes);
@@ -519,7 +519,7 @@ TEST(Scene, SaysWhatOfABodyWeighsTwice) {
       << twice;
   EXPECT_NE(said(two_boxes, "density_kg_per_m3 = 1000\n"), "");
   EXPECT_EQ(said(two_boxes, "mass_g = 100\ninertia_kg_mm2 = [1, 1, 1]\n"), "") << "it is typed";
-  // What only touches does not weigh twice.
+  // Shapes that only touch do not weigh twice.
   EXPECT_EQ(said("{ box_size_mm = [10, 10, 20] }, { box_size_mm = [10, 10, 20], position_mm = [0, "
                  "0, 20] }"),
             "");

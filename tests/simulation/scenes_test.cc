@@ -321,7 +321,7 @@ TEST(BuiltinScenes, LetTheCurvedObjectTurnInTheGrasp) {
   EXPECT_GT(drags, 100) << "and drags on the table while it turns";
 }
 
-/// How far the object of the drag scenes is turned from upright.
+/// Angle in rad by which the object of the drag scenes is turned from upright.
 double object_turn_rad(const Frame& frame) {
   return Eigen::AngleAxisd(frame.poses[1].linear()).angle();
 }
@@ -422,7 +422,7 @@ TEST(Velocity, SetsBodiesOnJointsGoing) {
       double highest_m = -1;
       for (const Frame& frame : swings.recording.frames)
         highest_m = std::max(highest_m, frame.poses[0].translation().z() + kLength_m);
-      // What the time step and the typed digits leave.
+      // Error of the time step and of the typed digits.
       EXPECT_NEAR(highest_m / rise_m, 1, 2e-3) << joint << velocity;
     }
 }

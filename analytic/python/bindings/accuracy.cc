@@ -26,7 +26,7 @@ py::tuple bounds(const std::optional<std::string>& name, const py::dict& numbers
       reasons[i] = found.outside;
       for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
         expects[q * count + i] = found.expected[q];
-        // Nothing smaller is known.
+        // Without a known bound the error is unbounded.
         within[q * count + i] = found.known ? found.bound[q] : kInfinity;
         for (std::size_t c = 0; c < kErrorCauses; ++c)
           cause[(c * kBoundedQuantities + q) * count + i] = found.causes[c][q];

@@ -54,8 +54,8 @@ struct Curve {
   std::vector<double> value, low, high;  ///< SI; not a number: no answer, or not known
 };
 
-/// At these loads, of every measured quantity. The band is by the parameters' covariance, in the
-/// logarithm of the number.
+/// Returns the fitted curve of every measured quantity at these loads. The band follows from the
+/// parameters' covariance, in the logarithm of the number.
 std::vector<Curve> curves_of(const CalibrationProblem& problem, const Calibration& found,
                              const std::vector<double>& loads_N) {
   // The first contact is the one whose radius the parameter is.

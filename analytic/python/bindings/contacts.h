@@ -11,8 +11,9 @@
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/pressure_model.h"
 
-/// What several bindings share. The package in Python checks ranges and makes shapes agree before
-/// it calls these: here all arrays are one-dimensional, contiguous and of one length.
+/// Conversions that several bindings share. The Python package checks ranges and broadcasts shapes
+/// before it calls the bindings: all arrays here are one-dimensional, contiguous and of equal
+/// length.
 namespace softfinger::python {
 
 namespace py = pybind11;
@@ -54,7 +55,7 @@ class Contacts {
   }
 
   std::size_t count() const { return batch_.count; }
-  /// Without friction and the object's layers.
+  /// The contacts without friction and without the object's layers.
   const ContactBatch& batch() const { return batch_; }
   bool have_object_layers() const {
     for (std::size_t i = 0; i < count(); ++i)

@@ -39,7 +39,7 @@ Numbers listed(const std::vector<LimitWrench>& points) {
 LimitWrench wrench_at(const double* row) { return {row[0], row[1], row[2]}; }
 Twist twist_at(const double* row) { return {row[0], row[1], row[2]}; }
 
-/// What all surfaces are asked.
+/// Binds the methods that all limit surfaces share.
 template <class Surface>
 void bind_questions(py::class_<Surface>& type) {
   type.def_property_readonly("eccentricity_m", &Surface::eccentricity_m)
@@ -135,7 +135,7 @@ Numbers ellipsoid_utilisation(const Numbers& max_force_N, const Numbers& eccentr
   });
 }
 
-/// Of contacts with an answer; 1/2 for the others, which have no size.
+/// Equivalent pressure exponents n of the contacts; 1/2 for a contact without an answer (a_m = 0).
 Numbers exponents(const Numbers& a_m, const Numbers& b_m, const Numbers& torque_arm_m) {
   const double *a = a_m.data(), *b = b_m.data(), *arm = torque_arm_m.data();
   return scalars(a_m.size(), [&](py::ssize_t i) {

@@ -5,7 +5,7 @@
 namespace softfinger::python {
 namespace {
 
-/// In the order of softfinger/_gradient.py.
+/// Numbers and variables are in the order of softfinger/_gradient.py.
 constexpr std::size_t kNumbers = 11, kVariables = kContactVariables + 1;
 constexpr std::array<ContactVariable, kContactVariables> kVariablesInOrder{
     kNormalForce, kYoungsModulus,    kPoissonRatio,     kThickness,        kRadiusMajor,

@@ -15,7 +15,7 @@ constexpr std::array kArguments{
     "radius_major_m",      "radius_minor_m",    "friction_coefficient", "finger_xx_per_m",
     "finger_yy_per_m",     "finger_xy_per_m",   "object_thickness_m",   "object_youngs_modulus_Pa",
     "object_poisson_ratio"};
-/// Of softfinger.Prediction.
+/// Attributes of softfinger.Prediction.
 constexpr std::array kPredicted{"a_m",
                                 "b_m",
                                 "indentation_m",
@@ -29,9 +29,9 @@ constexpr std::array kPredicted{"a_m",
                                 "normal_force_N",
                                 "friction_coefficient",
                                 "shear_strength_Pa"};
-/// Of softfinger.Errors.
+/// Attributes of softfinger.Errors.
 constexpr std::array kQuantities{"a", "b", "indentation", "area", "peak_pressure", "max_torque"};
-/// Of softfinger.ErrorBound: the causes in the order of ErrorCause.
+/// Attributes of softfinger.ErrorBound; the causes are in the order of ErrorCause.
 constexpr std::array kErrors{"bound",     "expected", "by_model",
                              "by_strain", "by_slope", "by_curvature"};
 
@@ -103,7 +103,7 @@ class OneContact {
   std::optional<py::dict> error_bound(const py::dict& arguments) const {
     const std::optional<Question> asked = question(arguments, 0);
     // No bound is known of a measured law, which softfinger/_accuracy.py says in words.
-    if (!asked || asked->model->card().name == "power_law") return std::nullopt;
+    if (!asked || asked->model->card().is_empirical) return std::nullopt;
     const ErrorBound found = softfinger::error_bound(*asked->model, asked->problem);
     if (!found.known) return std::nullopt;
     py::dict fields;
@@ -143,7 +143,8 @@ class OneContact {
     return std::nan("");
   }
 
-  /// How many arguments were read; nothing where one is missing or not usual.
+  /// Returns how many of the known arguments were given; nothing if a required one is missing or a
+  /// value is outside the usual range.
   std::optional<Py_ssize_t> read(const py::dict& arguments, Values& values) const {
     Py_ssize_t count = 0;
     for (std::size_t i = 0; i < values.size(); ++i) {

@@ -24,7 +24,7 @@ py::list models() {
   return cards;
 }
 
-/// Of each contact the place of its recommended model in `models()`.
+/// Returns each contact's recommended model as an index into `models()`.
 py::array_t<int> default_models(const py::dict& numbers) {
   const Contacts contacts(numbers);
   const std::vector<const PressureModel*>& all = all_pressure_models();
@@ -36,7 +36,7 @@ py::array_t<int> default_models(const py::dict& numbers) {
   return result;
 }
 
-/// One by one: predict_batch knows one model and rigid objects only.
+/// Predicts one contact at a time: predict_batch handles one model and rigid objects only.
 void predict_each(const AskedModel& model, const Contacts& contacts,
                   const PredictionBatch& answers) {
   for (std::size_t i = 0; i < contacts.count(); ++i) {
@@ -75,7 +75,7 @@ py::dict predict(const std::optional<std::string>& name, const py::dict& numbers
   return result;
 }
 
-/// Of one contact: what the model assumes, and whether it holds.
+/// Returns the validity checks of one contact: each assumption of the model and whether it holds.
 py::list checks(const std::string& name, const py::dict& numbers) {
   py::list result;
   for (const ValidityCheck& check :
@@ -85,7 +85,7 @@ py::list checks(const std::string& name, const py::dict& numbers) {
   return result;
 }
 
-/// None where the model has no answer.
+/// Returns the pressures at the points; none where the model has no answer.
 std::optional<Numbers> pressure_Pa(const std::string& name, const py::dict& numbers,
                                    const Numbers& points_m) {
   const PressureModel& model = model_named(name);

@@ -5,8 +5,8 @@
 
 namespace softfinger {
 
-/// The recommended model of a contact. Every command, library and plugin that is not told a model
-/// takes this one, so that all of them give the same torque.
+/// The recommended model of a contact. Every command, library and plugin takes it unless a model is
+/// named, so that all of them give the same torque.
 ///
 /// It is `fingertip_layer`, which was fitted to finite elements of whole fingers, for one layer on
 /// a finger of a shape that it was fitted to: convex, no thicker and no longer than its runs

@@ -32,7 +32,7 @@ BoundedErrors numbers_of(const ContactNumbers& contact) {
           contact.torque_arm_exact_m};
 }
 
-/// Of the quantities, the one that the finite elements tell to a tenth of a per cent.
+/// Index of the largest torque, the only quantity that the finite elements resolve to 0.1 %.
 constexpr std::size_t kTorque = 5;
 
 const char* reason_outside(const ContactProblem& problem, const ContactNumbers& flat) {
@@ -83,11 +83,11 @@ ErrorCause cause_of(FingertipEffect effect) {
   }
 }
 
-/// Where strain, slope and curvature are small, bonded_layer is known better than the finite
-/// elements that tested it: by the spectral solution, from which it is 0.002 % away. What is left
-/// of the departure is at most a few times its terms, whose signs differ. In a, b, area and peak
-/// pressure the scatter of the finite elements would lie outside such a bound, so that no run could
-/// confirm it.
+/// Half-width of the torque's error band where strain, slope and curvature are small. There
+/// bonded_layer is known better than the finite elements that tested it: it is within 0.002 % of
+/// the spectral solution. The rest of the departure is at most a few times the sum of its terms'
+/// magnitudes, since their signs differ. For a, b, area and peak pressure the finite elements
+/// scatter more than such a bound, so that no run could confirm it.
 double width_of_small_departures(const FingertipArguments<double>& at, double poisson_ratio,
                                  double ring_slope) {
   constexpr double kSpectral = 5e-5, kTimes = 3;
@@ -131,7 +131,7 @@ ErrorBound error_bound(const ContactProblem& problem, const Prediction& predicti
   const BoundedErrors answer = numbers_of(prediction);
   ErrorBound result;
   result.known = true;
-  // From the flat layer to the finger, one cause after the other.
+  // Adds one cause after the other, from the flat layer to the finger.
   BoundedErrors reference = numbers_of(flat);
   for (std::size_t q = 0; q < kBoundedQuantities; ++q)
     result.causes[std::size_t(ErrorCause::model)][q] = answer[q] / reference[q] - 1;

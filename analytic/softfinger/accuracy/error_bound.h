@@ -8,10 +8,11 @@
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/pressure/pressure_model.h"
 
-/// How far a model's answer is from the finger itself: curved, at finite strain.
+/// Errors of a model's answer against the real finger, which is curved and at finite strain.
 namespace softfinger {
 
-/// In this order, as everywhere: a, b, indentation, area, peak pressure, largest torque.
+/// Number of quantities, in this order everywhere: a, b, indentation, area, peak pressure, largest
+/// torque.
 constexpr std::size_t kBoundedQuantities = 6;
 using BoundedErrors = std::array<double, kBoundedQuantities>;  ///< relative
 
@@ -30,7 +31,7 @@ inline double worst_of(const BoundedErrors& errors,
   return worst;
 }
 
-/// What an expected error consists of.
+/// Causes into which an expected error is split.
 enum class ErrorCause {
   model,     ///< against a flat layer in linear theory
   strain,    ///< of the layer
@@ -39,26 +40,26 @@ enum class ErrorCause {
 };
 constexpr std::size_t kErrorCauses = 4;
 
-/// What is known of a model's errors. Plain numbers: no allocation.
+/// Expected errors of a model at one contact and their bounds. Plain numbers: no allocation.
 struct ErrorBound {
   bool known = false;
   BoundedErrors expected{};  ///< signed: the model's answer over the finger's, less 1
-  /// The same by `ErrorCause`; their sum is `expected`.
+  /// Contribution of each `ErrorCause` to the expected errors; they add up to `expected`.
   std::array<BoundedErrors, kErrorCauses> causes{};
   BoundedErrors bound{};     ///< of the size of the error, in 95 % of all contacts
   const char* outside = "";  ///< why nothing is known, in words
 };
 
-/// The errors of a model at a contact, against finite elements of the whole finger: neo-Hookean
-/// layer on a rigid core, the layer bent over a finger of the problem's `finger_curvature`.
+/// Returns the errors of a model at a contact, against finite elements of the whole finger: a
+/// neo-Hookean layer on a rigid core, which follows the problem's `finger_curvature`.
 ///
-/// The model is compared with `fingertip_layer`, which was fitted to finite-element runs; what 95 %
-/// of them differ from it by is known (fingertip_layer_core.h).
+/// The model is compared with `fingertip_layer`, which was fitted to finite-element runs and whose
+/// deviation from 95 % of them is known (fingertip_layer_core.h).
 /// @param prediction  the model's, with an answer
 /// Costs a prediction of `fingertip_layer` and a little. Never throws, never allocates.
 ErrorBound error_bound(const ContactProblem& problem, const Prediction& prediction) noexcept;
 
-/// The same; asks the model first.
+/// Returns the errors of the model's own prediction for the problem.
 ErrorBound error_bound(const PressureModel& model, const ContactProblem& problem) noexcept;
 
 }  // namespace softfinger

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 
 #include "softfinger/calibration/statistics.h"
 #include "softfinger/input/constants.h"
@@ -74,24 +75,27 @@ std::string symbol(Parameter parameter) {
                                            : name_in_words(parameter);
 }
 
-/// Which of the parameters looked for a model's answers depend on.
-std::vector<Parameter> parameters_of(const CalibrationProblem& problem, std::string_view model) {
+/// Returns the parameters on which a model's answers depend, out of those that are fitted.
+std::vector<Parameter> parameters_of(const CalibrationProblem& problem, const ModelCard& model) {
   std::vector<Parameter> result;
-  if (model == "power_law") result = {Parameter::radius_coefficient, Parameter::radius_exponent};
-  for (const Parameter parameter : problem.free) {
-    const bool is_friction =
-        parameter == Parameter::friction_coefficient || parameter == Parameter::shear_strength;
-    // Hertz knows E and nu only as E/(1 - nu²); the layer's thickness and it only one modulus.
-    const bool has = model == "power_law" ? is_friction
-                     : model == "hertz"   ? parameter != Parameter::thickness &&
-                                              parameter != Parameter::poisson_ratio
-                     : model == "winkler" ? parameter != Parameter::thickness ||
-                                                !contains(problem.free, Parameter::youngs_modulus)
-                                          : true;
-    if (has && !(model == "winkler" && parameter == Parameter::poisson_ratio &&
-                 contains(problem.free, Parameter::youngs_modulus)))
-      result.push_back(parameter);
-  }
+  if (model.is_empirical) result = {Parameter::radius_coefficient, Parameter::radius_exponent};
+  const bool fits_modulus = contains(problem.free, Parameter::youngs_modulus);
+  const auto depends_on = [&](Parameter parameter) {
+    const bool is_of_layer =
+        parameter == Parameter::thickness || parameter == Parameter::poisson_ratio;
+    switch (model.layer_constants) {
+      case LayerConstants::all:
+        return true;
+      case LayerConstants::plane_strain_modulus:
+        return !is_of_layer;
+      case LayerConstants::foundation_modulus:  // one of E, nu and h stands for all
+        return !is_of_layer || !fits_modulus;
+      case LayerConstants::none:
+        break;
+    }
+    return parameter == Parameter::friction_coefficient || parameter == Parameter::shear_strength;
+  };
+  std::copy_if(problem.free.begin(), problem.free.end(), std::back_inserter(result), depends_on);
   return result;
 }
 
@@ -150,7 +154,8 @@ double root_mean_square(const PredictedMeasurements& predicted, const ParameterV
   return std::sqrt(sum / double(logs.size()));
 }
 
-/// One model or law in the comparison; without a scatter below 100 % it has no answer.
+/// Fits one model or law for the comparison; a fit whose scatter is not below 100 % counts as no
+/// answer.
 Comparison compare(const CalibrationProblem& problem, const Calibration& calibration) {
   Comparison result{problem.model, problem.shear_law, problem.free, {}, 0, 0};
   const Reduced all = reduced(problem, calibration, kNoLimit_N);
@@ -165,7 +170,7 @@ Comparison compare(const CalibrationProblem& problem, const Calibration& calibra
   const bool has_own_errors =
       std::all_of(all.problem.measurements.values.begin(), all.problem.measurements.values.end(),
                   [](const Measurement& measurement) { return measurement.std > 0; });
-  // Where the scatter is estimated it is a parameter, too, and each model's own.
+  // An estimated scatter counts as one more parameter, and each model estimates its own.
   result.aic = has_own_errors ? fit.sum_of_squares + 2 * double(problem.free.size())
                               : count * std::log(std::max(fit.sum_of_squares, 1e-12) / count) +
                                     2 * (double(problem.free.size()) + 1);
@@ -220,14 +225,13 @@ double std_of(const Eigen::MatrixXd& information, Eigen::Index index) {
 std::vector<Comparison> compare_models(const CalibrationProblem& problem,
                                        const Calibration& calibration) {
   std::vector<Comparison> result;
-  for (const std::string_view name :
-       {"hertz", "winkler", "bonded_layer", "fingertip_layer", "power_law"}) {
+  for (const PressureModel* model : all_pressure_models()) {
+    if (!model->card().is_calibrated) continue;
     CalibrationProblem other = problem;
-    other.model = find_pressure_model(name);
-    if (!other.model) continue;
-    other.free = parameters_of(problem, name);
+    other.model = model;
+    other.free = parameters_of(problem, model->card());
     other.start = calibration.values;
-    if (name == "power_law") {
+    if (model->card().is_empirical) {
       // The indentation is no part of that law, and its contact is round.
       if (measures(problem, MeasuredQuantity::indentation)) continue;
       const GrowthExponent growth = growth_exponent(problem, calibration);
@@ -341,7 +345,7 @@ NextMeasurement next_measurement(const CalibrationProblem& problem,
   if (!stds.empty()) std = std::max(1e-3, stds[stds.size() / 2]);
   const auto consider = [&](const Eigen::VectorXd& slopes, const NextMeasurement& candidate) {
     const double then = std_of(now + slopes * slopes.transpose(), worst);
-    // What helps by less than a tenth is not worth the afternoon.
+    // A gain of less than a tenth does not justify another measurement.
     if (!(then < 0.9 * best.std_now) || (best.exists && !(then < best.std_then))) return;
     const double before = best.std_now;
     const Parameter parameter = best.parameter;
@@ -428,7 +432,7 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
     else
       sentences.push_back(measured + ": not well enough to tell a/h from it");
   }
-  // What is seen together: the best known product of powers of two open parameters.
+  // Finds the best determined product of powers of two undetermined parameters.
   const Eigen::MatrixXd known = information(problem, calibration);
   for (std::size_t i = 0; i < problem.free.size(); ++i)
     for (std::size_t k = i + 1; k < problem.free.size(); ++k) {
@@ -457,7 +461,7 @@ std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
       const internal::SymmetricEigen eigen = internal::symmetric_eigen(pair);
       const Eigen::Vector2d best = eigen.vectors.col(1);
       if (!(eigen.values[1] > 25 * eigen.values[0])) continue;
-      // As a power of the second per power 1 of the first.
+      // Exponent of the second parameter for the exponent 1 of the first.
       const double power = best[1] / best[0];
       const double std = 1 / std::sqrt(eigen.values[1]) / std::abs(best[0]);
       if (!(std::abs(power) > 0.05 && std::abs(power) < 20 && std < 0.3)) continue;
@@ -496,11 +500,12 @@ bool explains(const CalibrationProblem& problem) {
 
 std::string contradiction(const CalibrationProblem& problem, const Calibration& calibration) {
   if (explains(calibration)) return {};
-  for (const std::string_view name : {"hertz", "winkler", "bonded_layer", "fingertip_layer"}) {
+  for (const PressureModel* model : all_pressure_models()) {
+    if (!model->card().is_calibrated || model->card().is_empirical || model == problem.model)
+      continue;
     CalibrationProblem other = problem;
-    other.model = find_pressure_model(name);
-    if (!other.model || other.model == problem.model) continue;
-    other.free = parameters_of(problem, name);
+    other.model = model;
+    other.free = parameters_of(problem, model->card());
     other.start = calibration.values;
     if (!other.free.empty() && explains(other)) return {};
   }

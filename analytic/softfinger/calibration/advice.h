@@ -6,8 +6,8 @@
 
 #include "softfinger/calibration/calibrate.h"
 
-/// What a calibration means: which model and which friction the data want, what they cannot tell,
-/// and what to measure next.
+/// Interpretation of a calibration: the model and shear law that the data favour, the parameters
+/// that they leave undetermined, and the most useful next measurement.
 namespace softfinger {
 
 /// A model or a shear law, fitted for comparison.
@@ -33,16 +33,16 @@ std::vector<Comparison> compare_models(const CalibrationProblem& problem,
 std::vector<Comparison> compare_shear_laws(const CalibrationProblem& problem,
                                            const Calibration& calibration);
 
-/// The growth of the contact with its load, gamma = d ln a/d ln P, over all measured a, b and
+/// Growth exponent of the contact with its load, gamma = d ln a/d ln P, over all measured a, b and
 /// areas. A bonded layer under a sphere has 1/3 where it is thick against the contact, and less the
-/// thinner it is: it tells a/h without any modulus.
+/// thinner it is: gamma determines a/h without any modulus.
 struct GrowthExponent {
   bool is_known = false;
   double value = 0, std = 0;
 };
 GrowthExponent growth_exponent(const CalibrationProblem& problem, const Calibration& calibration);
 
-/// One more measurement, which would make the parameter that is known worst known better.
+/// One more measurement, chosen to improve the least well known parameter.
 struct NextMeasurement {
   bool exists = false;
   Parameter parameter = Parameter::thickness;  ///< that is known worst
@@ -50,7 +50,8 @@ struct NextMeasurement {
   MeasuredQuantity quantity = MeasuredQuantity::indentation;  ///< else this
   double load_N = 0;                                          ///< at this load
   double relative_std = 0;                                    ///< that it is supposed to have
-  /// Of the parameter, relative (of nu, absolute), now and with it; infinite: not known at all.
+  /// Standard deviation of that parameter without and with the new measurement, relative (absolute
+  /// for nu); infinite if the parameter is undetermined.
   double std_now = 0, std_then = 0;
 };
 
@@ -58,7 +59,8 @@ struct NextMeasurement {
 /// well as the present ones, and of the thickness to 5 %.
 NextMeasurement next_measurement(const CalibrationProblem& problem, const Calibration& calibration);
 
-/// What the data cannot tell, a sentence each; empty when every parameter is determined.
+/// Returns one sentence for each thing that the data leave undetermined; empty when every parameter
+/// is determined.
 std::vector<std::string> cannot_tell(const CalibrationProblem& problem,
                                      const Calibration& calibration);
 

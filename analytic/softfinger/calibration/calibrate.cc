@@ -142,7 +142,7 @@ class Calibrator {
     for (Eigen::Index i = 0; i < residuals.size(); ++i)
       sizes[std::size_t(i)] = std::abs(residuals[i]);
     std::sort(sizes.begin(), sizes.end());
-    // The fit bends towards as many points as it has parameters.
+    // The fit passes close to as many points as it has parameters.
     const std::size_t free = problem_.free.size();
     const double part = double(free) + 0.5 * double(sizes.size() - free);
     const double median = sizes[std::min(sizes.size() - 1, std::size_t(part))];
@@ -340,14 +340,15 @@ class Calibrator {
     }
     const Eigen::MatrixXd slopes = squares_.jacobian(best_.values, problem_.free);
     const Eigen::MatrixXd information = internal::gram(slopes);
-    // A combination that the data do not tell at all has no information but rounding.
+    // An undetermined combination of parameters has no information but rounding.
     const Eigen::VectorXd known = internal::symmetric_eigen(information).values;
     if (known[0] > 1e-12 * known[known.size() - 1])
       result.covariance = internal::inverse(information);
     return result;
   }
 
-  /// How much worse the best fit with this parameter at this coordinate is, in standard deviations.
+  /// Returns how many standard deviations the best fit with this parameter held at this coordinate
+  /// is worse than the best fit of all. `values`: start of the fit, then its result.
   double distance(Parameter parameter, double coordinate, ParameterValues& values) {
     std::vector<Parameter> others;
     for (const Parameter free : problem_.free)
@@ -359,7 +360,8 @@ class Calibrator {
     return std::sqrt(std::max(0., fit.sum_of_squares - best_.sum_of_squares));
   }
 
-  /// Where that distance reaches `limit`, upwards (sign 1) or downwards.
+  /// Returns the coordinate at which that distance reaches `limit`, searched upwards (sign 1) or
+  /// downwards (sign -1); the end of the parameter's range, with `*is_open` set, if it does not.
   double border(ParameterValues values, Parameter parameter, double std, int sign, double limit,
                 bool* is_open) {
     const ParameterRange& range = range_of(parameter);
@@ -411,7 +413,7 @@ class Calibrator {
 
   void find_intervals(Calibration& result) {
     const double limit = statistics::student_quantile(0.05, freedom_);
-    // Other optima that chance cannot tell from the best one.
+    // Other optima that differ from the best one by no more than chance.
     std::vector<ParameterValues> rivals;
     for (const ParameterValues& optimum : optima_) {
       const Fit fit = squares_.solve(optimum, problem_.free);
@@ -430,7 +432,7 @@ class Calibrator {
       };
       estimate.low = reach(best_.values, -1, &estimate.is_low_open);
       estimate.high = reach(best_.values, 1, &estimate.is_high_open);
-      // Not above it by a rounding, at a border of the search.
+      // At a border of the search, rounding must not move an end of the interval past the value.
       estimate.low = std::min(estimate.low, estimate.value);
       estimate.high = std::max(estimate.high, estimate.value);
       for (const ParameterValues& rival : rivals) {

@@ -17,11 +17,12 @@ struct CalibrationProblem {
   ParameterValues start{};      ///< every parameter
 };
 
-/// One parameter that was looked for.
+/// Estimate of one fitted parameter.
 struct ParameterEstimate {
   Parameter parameter;
   double value = 0;  ///< SI
-  /// From the covariance; infinite where the data do not tell the parameter at all.
+  /// Standard deviation from the covariance; infinite where the data leave the parameter
+  /// undetermined.
   double std = 0;
   /// The 95 % interval: outside, even the best of the other parameters fits so much worse that
   /// chance explains it in 5 % of all cases (profile likelihood; with the scatter estimated from
@@ -40,11 +41,11 @@ struct ParameterEstimate {
 struct Calibration {
   ParameterValues values{};
   std::vector<ParameterEstimate> parameters;
-  /// Of the parameters' coordinates (the logarithm of all but nu), in their order; empty where the
-  /// data do not tell some combination of them at all.
+  /// Covariance of the parameters' coordinates (see `coordinate`), in the order of `parameters`;
+  /// empty where the data leave some combination of them undetermined.
   Eigen::MatrixXd covariance;
-  /// Which measurements were left out, because a fit to the others predicts them too badly to be
-  /// chance (one set in a hundred loses a good one).
+  /// Measurements left out, because a fit to the others predicts them too badly to be chance (one
+  /// set in a hundred loses a good one).
   std::vector<std::size_t> outliers;
   std::vector<double> predicted;  ///< SI, one for each measurement
   std::vector<double> deviation;  ///< (measured - predicted)/std of the measurement
@@ -52,11 +53,11 @@ struct Calibration {
   /// Standard deviation of the measurements without an error of their own, relative; by quantity
   /// where their scatters differ more than by chance. Zero: there are none.
   std::array<double, kMeasuredQuantities> scatter{};
-  /// Of the measurements with errors of their own: probability that chance alone makes a fit as bad
-  /// as this. 1 without any.
+  /// Probability that chance alone makes the fit to the measurements with stated errors as bad as
+  /// this; 1 without such measurements.
   double goodness = 1;
-  /// By which own errors were multiplied, because they are too small for the fit (goodness below
-  /// 1 %); else 1.
+  /// Factor applied to the stated errors where they are too small for the fit (goodness below 1 %);
+  /// else 1.
   double error_factor = 1;
   double sum_of_squares = 0;  ///< in standard deviations, of what counts
   double log_likelihood = 0;  ///< at its largest, of readings in their own units

@@ -20,7 +20,8 @@ CoordinateRange coordinate_range(Parameter parameter) noexcept {
   return {0.5 * (low + high), 0.5 * (high - low)};
 }
 
-/// How near to its border a parameter counts as lying on it, as a part of half its range.
+/// Distance from a border, as a fraction of half the range, within which no search starts; a
+/// parameter within twice this distance counts as lying on the border.
 constexpr double kAtBorder = 1e-4;
 
 struct HeldAtBorders {
@@ -174,7 +175,7 @@ Fit LeastSquares::solve_inside(const ParameterValues& start,
 }
 
 Fit LeastSquares::solve(const ParameterValues& start, const std::vector<Parameter>& free) const {
-  // What begins at a border often stays there.
+  // A parameter that starts on a border often stays there.
   if (const auto [held, at_border, others] = hold_at_borders(start, free); !at_border.empty()) {
     const Fit fit = solve_inside(held, others);
     if (push_outwards(fit.values, at_border)) return fit;

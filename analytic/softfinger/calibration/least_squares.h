@@ -6,12 +6,12 @@
 
 namespace softfinger {
 
-/// How one measurement counts.
+/// Weight of one measurement in the fit.
 struct Weight {
   double std = 1;           ///< of the number, or of its logarithm
   bool is_relative = true;  ///< std belongs to the logarithm
   /// Added to the measured logarithm: with a relative error of standard deviation s, the mean
-  /// logarithm of a reading lies s²/2 below the truth's.
+  /// logarithm of a measured value lies s²/2 below the truth's.
   double shift = 0;
   bool counts = true;  ///< false: an outlier
 };
@@ -26,9 +26,9 @@ struct Fit {
   double sum_of_squares = 0;  ///< of the residuals, each in its standard deviations
 };
 
-/// Where the thickness is looked for, the models are not trusted with a layer that is pressed
-/// together by more than half: there, beyond their range, a thin soft layer could pass for a thick
-/// one. The excess of ln(d/h) counts as a further residual of this standard deviation.
+/// Largest trusted compression d/h when the thickness is fitted, and the standard deviation with
+/// which the excess of ln(d/h) counts as a further residual. Beyond half its thickness a layer is
+/// outside the models' range, where a thin soft layer could pass for a thick one.
 constexpr double kMostCompression = 0.5, kCompressionStd = 0.1;
 
 class LeastSquares {
@@ -47,16 +47,17 @@ class LeastSquares {
   /// Residuals in standard deviations, all measurements, those that do not count too.
   Eigen::VectorXd residuals(const ParameterValues& values) const;
 
-  /// The same, zero where they do not count, and the excess of compression behind them.
+  /// Residuals with zeros for the measurements that do not count, followed by the residual of the
+  /// excess compression (kMostCompression).
   Eigen::VectorXd counted_residuals(const ParameterValues& values) const;
 
-  /// Derivatives of these with respect to the coordinates of `free`.
+  /// Derivatives of `counted_residuals` with respect to the coordinates of `free`.
   Eigen::MatrixXd jacobian(const ParameterValues& values, const std::vector<Parameter>& free) const;
 
   double sum_of_squares(const ParameterValues& values) const;
 
  private:
-  /// From one starting point, all of `free` moving.
+  /// Fits all of `free` from one starting point.
   Fit solve_inside(const ParameterValues& start, const std::vector<Parameter>& free) const;
   /// Whether the sum would only fall beyond the borders on which these lie.
   bool push_outwards(const ParameterValues& values, const std::vector<Parameter>& at_border) const;

@@ -9,13 +9,13 @@
 
 namespace softfinger {
 
-/// What is measured on a contact.
+/// Quantity measured on a contact.
 enum class MeasuredQuantity { a, b, area, indentation, max_torque, tangential_force };
 constexpr std::size_t kMeasuredQuantities = 6;
 constexpr std::array<std::string_view, kMeasuredQuantities> kMeasuredQuantityNames{
     "a", "b", "area", "indentation", "max_torque", "tangential_force"};
 
-/// Whether friction has a part in it.
+/// Whether the quantity depends on friction.
 constexpr bool is_frictional(MeasuredQuantity quantity) {
   return quantity == MeasuredQuantity::max_torque || quantity == MeasuredQuantity::tangential_force;
 }

@@ -8,7 +8,7 @@
 
 namespace softfinger {
 
-/// What a calibration can find out of measurements.
+/// Parameters that a calibration can determine from measurements.
 enum class Parameter {
   youngs_modulus,  ///< E in Pa
   thickness,       ///< h in m
@@ -21,8 +21,8 @@ enum class Parameter {
 };
 constexpr std::size_t kParameters = 8;
 
-/// Where a fit may look for a parameter. Wider than any finger, so that a parameter which the data
-/// leave open shows it by an interval that ends here.
+/// Range within which a fit searches for a parameter. It is wider than any real finger needs, so
+/// that the interval of an undetermined parameter ends at its border.
 struct ParameterRange {
   Parameter parameter;
   std::string_view name;  ///< as on the command line

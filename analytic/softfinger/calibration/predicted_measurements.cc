@@ -40,7 +40,7 @@ struct ContactLogarithms {
   LogNumber a, b, indentation, arm;
 };
 
-/// By the parameters that a model's own derivatives know.
+/// Logarithm of a number with its slopes by those parameters that the model's derivatives cover.
 LogNumber logarithm(const DifferentiatedNumber& number, const ContactProblem& problem,
                     bool is_elastic) noexcept {
   LogNumber result = LogNumber::of(number.value);
@@ -63,8 +63,8 @@ LogNumber logarithm(const DifferentiatedNumber& number, const ContactProblem& pr
   return result;
 }
 
-/// By the two of a power law, which no model differentiates by: central differences, exact for
-/// powers but for rounding.
+/// Adds the slopes by the two parameters of a power law, for which no model has derivatives:
+/// central differences, exact for powers but for rounding.
 void add_power_law_slopes(const PressureModel& model, const ContactProblem& problem,
                           ContactLogarithms& contact) noexcept {
   constexpr double kStep = 1e-4;
@@ -90,7 +90,7 @@ void add_power_law_slopes(const PressureModel& model, const ContactProblem& prob
   }
 }
 
-/// Without derivatives: a prediction takes a quarter of the time.
+/// Logarithms without derivatives: a prediction takes a quarter of the time.
 ContactLogarithms contact_logarithms_alone(const PressureModel& model,
                                            const ContactProblem& problem) noexcept {
   const Prediction contact = model.predict(problem);
@@ -194,12 +194,12 @@ ContactProblem PredictedMeasurements::problem(std::size_t contact,
   problem.layer = {value(Parameter::thickness), value(Parameter::youngs_modulus),
                    value(Parameter::poisson_ratio)};
   problem.load.friction_coefficient = value(Parameter::friction_coefficient);
-  // By as much as the first contact's, so that radii fitted to different regions of a mesh keep
-  // their ratio.
+  // All radii are scaled as the first contact's, so that those fitted to different regions of a
+  // mesh keep their ratio.
   const RelativeRadii& first = measurements.contacts[0].radii;
   const double scale =
       value(Parameter::radius) / (std::sqrt(first.major_m) * std::sqrt(first.minor_m));
-  // One rounding away from 1 is no change: results are those of the contact as it is.
+  // A scale within rounding of 1 counts as 1: results are those of the contact as it is.
   if (std::abs(scale - 1) > 1e-15) {
     problem.radii.major_m *= scale;
     problem.radii.minor_m *= scale;

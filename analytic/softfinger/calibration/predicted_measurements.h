@@ -9,7 +9,7 @@
 
 namespace softfinger {
 
-/// What a model says of measured numbers, as its parameters change.
+/// Predictions of the measured quantities by a model, as functions of its parameters.
 struct PredictedMeasurements {
   const PressureModel& model;
   const Measurements& measurements;

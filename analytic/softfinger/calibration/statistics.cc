@@ -34,8 +34,8 @@ double student_quantile(double probability, double freedom) noexcept {
   return 0.5 * (low + high);
 }
 
-// The same, 26.4.4 and 26.4.5: a Poisson sum for even degrees of freedom, for odd ones what the
-// normal distribution leaves and a sum.
+// Same source, 26.4.4 and 26.4.5: a Poisson sum for even degrees of freedom; for odd ones the tail
+// of the normal distribution plus a sum.
 double chi_squared_exceeds(double value, int freedom) noexcept {
   if (!(value > 0)) return 1;
   const bool odd = freedom % 2 == 1;

@@ -113,11 +113,11 @@ ContactEdge fit_contact_edge(const CellGrid& grid, const Eigen::ArrayXd& pressur
   shape = 4 * (shape / count - centre * centre.transpose());
   if (even) shape(0, 1) = shape(1, 0) = 0;
 
-  // How far a cell sinks under its own pressure when the edge passes it, over pressure and size.
-  // For long rows of equal cells it is 0.88: the second difference of x² ln x / pi, by which the
-  // displacement of a row exceeds that of its neighbour. This value leaves no bias in the semi-axes
-  // of the Hertz contact, and less than a thirtieth of a cell for all layers and for cells up to
-  // 4 : 1.
+  // Sinking of a cell under its own pressure when the edge passes it, over compliance, pressure and
+  // cell size. For long rows of equal cells it is 0.88: the second difference of x² ln x / pi, by
+  // which the displacement of a row exceeds that of its neighbour. The value here leaves no bias in
+  // the semi-axes of the Hertz contact, and less than a thirtieth of a cell for all layers and for
+  // cells up to 4 : 1.
   constexpr double kOwnDisplacement = 0.7;
   const std::vector<Crossing> crossings = find_crossings(grid, pressure, gap);
   Eigen::Matrix2d stretch;

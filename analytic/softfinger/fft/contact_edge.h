@@ -17,7 +17,7 @@ struct ContactEdge {
   /// Column k: point of the edge at the scaled polar angle 2 pi k / columns.
   Eigen::Matrix2Xd points;
 
-  /// From the plane to coordinates in which the ellipse is the unit circle.
+  /// Transforms the plane to coordinates in which the ellipse is the unit circle.
   Eigen::Matrix2d to_scaled = Eigen::Matrix2d::Identity();
   /// Coefficients of 1, cos t, sin t, cos 2t, ... At the scaled angle t the edge lies at the scaled
   /// radius 1 + their sum.

@@ -7,9 +7,9 @@
 
 namespace softfinger::fft {
 
-/// How much less a layer on a rigid base is displaced under a point force than a half-space, as a
-/// function of the distance: with t = r/h,
-///   E* pi h (u_halfspace - u)(r) / F = S(t) = int_0^inf (1 - w(x)) J0(x t) dx,
+/// Stiffening of a layer by its rigid base: the amount by which its surface displacement under a
+/// point force falls short of a half-space's, as a function of the distance. With t = r/h,
+///   E* pi h (u_halfspace - u)(r) / F = S(t) = int_0^inf (1 - w(x)) J0(x t) dx
 /// (the Hankel transform of the kernel in layer_kernel.h). Smooth, S ~ 1/t far away, where it
 /// cancels the half-space's 1/r.
 class LayerStiffening {

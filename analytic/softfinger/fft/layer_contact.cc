@@ -375,7 +375,8 @@ LayerContact solve(const Problem& problem, const LayerContactOptions& options) {
 
   contact.peak_pressure_Pa = solution.pressure.maxCoeff();
   if (even) {
-    // At the corner of the first cell, from the means of a parabola over the first three cells.
+    // Extrapolates to the corner of the first cell, from the means of a parabola over the first
+    // three cells.
     const int columns = solution.grid.columns;
     const double first = solution.pressure[0];
     contact.peak_pressure_Pa =
@@ -428,7 +429,7 @@ LayerContact solve(const Problem& problem, const LayerContactOptions& options) {
   return contact;
 }
 
-/// From the dimensionless answer to SI, `length`, `height` and `pressure` being its units.
+/// Converts the dimensionless answer to SI, `length`, `height` and `pressure` being its units.
 void scale(LayerContact& contact, double length, double height, double pressure) {
   contact.grid.size_x *= length;
   contact.grid.size_y *= length;

@@ -14,7 +14,7 @@ namespace softfinger {
 /// the scale of a cell, zero at first touch. It is only called inside the window.
 using GapFunction = std::function<double(double x_m, double y_m)>;
 
-/// Where the contact is looked for: a rectangle that must contain it, but may be much larger.
+/// Search window: a rectangle that must contain the contact but may be much larger.
 struct GapWindow {
   double centre_x_m = 0, centre_y_m = 0;
   double half_width_x_m = 0, half_width_y_m = 0;  ///< > 0
@@ -88,10 +88,9 @@ LayerContact solve_layer_contact(const GapFunction& gap_m, const GapWindow& wind
                                  const ElasticLayer& layer, const ElasticLayer& object_layer,
                                  double load_N, const LayerContactOptions& options = {});
 
-/// The same for the quadric gap x²/(2R') + y²/(2R''), solved on a quarter of the grid: about 15 ms.
-/// x lies along the larger radius.
-/// The dimensionless problem is rounded to 40 bits, so that the answer does not depend on the
-/// units.
+/// Solves the contact for the quadric gap x²/(2R') + y²/(2R''), x along the larger radius, on a
+/// quarter of the grid: about 15 ms. The dimensionless problem is rounded to 40 bits, so that the
+/// answer does not depend on the units.
 LayerContact solve_layer_contact(const RelativeRadii& radii, const ElasticLayer& layer,
                                  const ElasticLayer& object_layer, double load_N,
                                  const LayerContactOptions& options = {});

@@ -17,7 +17,7 @@ namespace softfinger {
 /// The lowest sample becomes zero, first touch, so that only differences of the samples matter.
 class SampledGap {
  public:
-  /// Where the samples lie. Metres.
+  /// Positions of the samples, in metres.
   struct Grid {
     double first_x_m = 0, first_y_m = 0;      ///< of sample (row 0, column 0)
     double spacing_x_m = 0, spacing_y_m = 0;  ///< > 0, between columns, between rows

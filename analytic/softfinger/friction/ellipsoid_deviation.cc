@@ -37,7 +37,7 @@ Slip slip_at(const Surface& surface, const FrictionEllipsoid& ellipsoid, double 
 
 constexpr int kHeadings = 12, kTurnings = 48;
 
-/// Of a grid of slips, those of the lowest and the highest deviation.
+/// Returns the slips of lowest and of highest deviation on a grid of directions.
 template <class Surface>
 std::pair<Slip, Slip> extremes_of_grid(const Surface& surface,
                                        const FrictionEllipsoid& ellipsoid) noexcept {

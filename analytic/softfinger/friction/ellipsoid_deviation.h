@@ -6,8 +6,8 @@
 
 namespace softfinger {
 
-/// How far a friction ellipsoid is from the exact limit surface in the direction of a wrench: the
-/// ellipsoid's utilisation, less 1, of the exact surface's point in that direction. Negative: the
+/// Deviation of a friction ellipsoid from the exact limit surface in the direction of a wrench: the
+/// ellipsoid's utilisation at the exact surface's point in that direction, less 1. Negative: the
 /// ellipsoid lies outside there and claims more friction than there is. Positive: it lies inside
 /// and is conservative. Zero in every direction of pure force and, with the exact e_n, of pure
 /// torque. Both must have the same mu P > 0. Zero for no wrench. Cost: one utilisation.

@@ -356,7 +356,8 @@ Eigen::Vector3d LimitSurface::scaled_wrench(const Eigen::Vector3d& twist,
          Eigen::Vector3d(integrals.force_x, integrals.force_y, integrals.torque / arm_over_a_);
 }
 
-/// What limit_surface_newton.h asks for.
+/// Returns the `evaluate` argument of limit_surface_newton.h: gradient and Hessian of the support
+/// function.
 auto LimitSurface::evaluator() const noexcept {
   return [this](const Eigen::Vector3d& twist, Eigen::Matrix3d* hessian) {
     return scaled_wrench(twist, hessian);

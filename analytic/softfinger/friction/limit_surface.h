@@ -77,8 +77,8 @@ class LimitSurface {
   /// is the outward normal (maximum dissipation). Any magnitude but zero, for which it is zero.
   LimitWrench wrench_for_twist(const Twist& twist) const noexcept;
 
-  /// The same for a counter-clockwise turn about a point of the contact plane. Infinite coordinates
-  /// are allowed: (inf, y) is the translation along -y, (x, inf) the one along +x.
+  /// Load at which the slider turns counter-clockwise about a point of the contact plane. Infinite
+  /// coordinates are allowed: (inf, y) is the translation along -y, (x, inf) the one along +x.
   LimitWrench wrench_for_center_of_rotation(double x_m, double y_m) const noexcept;
 
   /// Support function in watts: the largest wrench . twist of all wrenches that can be carried.

@@ -71,7 +71,7 @@ struct CirclePressure {
   }
 };
 
-/// What has been turned, and the torque, when the disc r < c sticks.
+/// Angle (rad) and torque of the twist at which the disc r < c still sticks.
 struct TwistState {
   double angle_rad, torque;
 };
@@ -154,7 +154,8 @@ std::vector<CurvePoint> circle_twist(double exponent, double size) {
   std::vector<CurvePoint> points = {{0, 0, 1}};
   double angle_rad = 0, half_space_rad = 0, added = 0;
   for (Eigen::Index i = count - 1; i >= 0; --i) {
-    // To the half-space's exact torque comes what the same sum gives for both.
+    // Adds to the half-space's exact torque the difference that the same sum gives between the
+    // layer and the half-space.
     const TwistState& thick = half_space[std::size_t(i)];
     added += inner * (angles_rad[i] - angle_rad) -
              16. / 3 * cubes[i] * (thick.angle_rad - half_space_rad);
@@ -170,7 +171,7 @@ std::vector<CurvePoint> circle_twist(double exponent, double size) {
   return points;
 }
 
-/// One ring of a thin layer: int_0^1 min(z s, (1 - s²)^n) s² ds over z.
+/// Curve of one ring of a thin layer: int_0^1 min(z s, (1 - s²)^n) s² ds over z.
 std::vector<CurvePoint> sheared_ring(double exponent) {
   static const QuadratureRule rule = gauss_legendre(24);
   std::vector<CurvePoint> points = {{0, 0, 0.25}};

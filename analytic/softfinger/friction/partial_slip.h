@@ -2,8 +2,8 @@
 
 #include <vector>
 
-/// What a contact does between sticking and sliding: force over displacement and torque over
-/// rotation while a part of it slips, under a constant load. Everything without unit:
+/// Partial slip, the state of a contact between sticking and sliding: force over displacement and
+/// torque over rotation under a constant load. All quantities are dimensionless:
 ///   x = k theta/T_max and y = T/T_max for a twist about the normal,
 ///   x = k u/(mu P) and y = F/(mu P) for a shift along the surface,
 /// k the stiffness of the stuck contact (stuck_stiffness.h). Each curve starts with the slope 1 and
@@ -79,7 +79,7 @@ class MasingPath {
 
   double x() const noexcept { return x_; }
   double y() const noexcept { return y_; }
-  /// How many reversals are remembered.
+  /// Number of reversals that are remembered.
   std::size_t memory() const noexcept { return reversals_.size(); }
 
   /// Goes straight to `x`. @returns y there

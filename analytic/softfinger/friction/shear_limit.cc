@@ -48,7 +48,7 @@ struct Shares {
   double force = 0, torque = 0;
 };
 
-/// Of mu p, and of a uniform stress tau_0.
+/// Shares of the stress mu p and of the uniform stress tau_0.
 struct Parts {
   Shares friction, strength;
 };

@@ -33,8 +33,8 @@ FrictionEllipsoid friction_ellipsoid(const ShearLaw& law, const PressedEllipse& 
 
 namespace internal {
 
-/// Where the two parts of min(mu p, tau_0) meet: w = 1 - c², c the relative radius. For n > 0 the
-/// strength limits what is within c, for n < 0 what is beyond. 0 to 1.
+/// Depth w = 1 - c² at which mu p = tau_0, c the relative radius; 0 to 1. For n > 0 the strength
+/// limits the stress within c, for n < 0 beyond it.
 double depth_of_strength(const ShearLaw& law, const PressedEllipse& contact) noexcept;
 
 }  // namespace internal

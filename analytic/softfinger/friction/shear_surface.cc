@@ -51,7 +51,7 @@ LimitSurface friction_part(const ShearLaw& law, const PressedEllipse& contact, b
 LimitSurface uniform_part(const ShearLaw& law, const PressedEllipse& contact, bool limits) {
   const bool is_added =
       law.kind == ShearLaw::Kind::shear_strength || law.kind == ShearLaw::Kind::adhesive_shear;
-  // Under a pressure that grows towards the rim, the rim has the strength.
+  // If the pressure grows towards the rim, the strength limits the stress at the rim.
   const bool has = is_added || (limits && contact.exponent <= 0);
   return {contact.a_m, contact.b_m, 0,
           has ? kPi * contact.a_m * contact.b_m * law.shear_strength_Pa : 0};

@@ -46,7 +46,7 @@ class ShearSurface {
   std::vector<LimitWrench> sample(int count) const;
   std::vector<LimitWrench> sample_section(double direction_rad, int count) const;
 
-  /// As LimitSurface::scaled_wrench.
+  /// Wrench and second derivatives as those of LimitSurface::scaled_wrench.
   Eigen::Vector3d scaled_wrench(const Eigen::Vector3d& twist,
                                 Eigen::Matrix3d* hessian) const noexcept;
 
@@ -59,7 +59,7 @@ class ShearSurface {
   double exponent_ = 0.5;
   LimitSurface friction_;  ///< of mu p; no force where the law has none of it
   LimitSurface uniform_;   ///< of tau_0; the discs' shape, too
-  /// Of discs, as shares of the largest force; zero unless the law is `limited` and limits.
+  /// Discs that make up the stress of the law `limited`; zero where the strength limits nothing.
   double disc_force_ = 0;            ///< pi a b mu p_0
   double lowest_ = 0, highest_ = 0;  ///< of the discs' variable x, see the source
 };

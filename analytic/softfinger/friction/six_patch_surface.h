@@ -39,7 +39,7 @@ class SixPatchSurface {
   double eccentricity_m() const noexcept { return eccentricity_m_; }  ///< the exact e_n
   double max_torque_Nm() const noexcept { return max_force_N_ * eccentricity_m_; }
 
-  /// As in LimitSurface, the sign included.
+  /// Functions with the meaning and sign that they have in LimitSurface.
   LimitWrench wrench_for_twist(const Twist& twist) const noexcept;
   double support(const Twist& twist) const noexcept;
   double utilisation(const LimitWrench& wrench) const noexcept;

@@ -14,20 +14,21 @@ struct TiltLimit {
   double utilisation(double moment_x_Nm, double moment_y_Nm) const noexcept;
 };
 
-/// What a contact bears against tilting, M_x = int y p dA and M_y = -int x p dA about its centre:
-/// of all pressures 0 <= p <= p_max on the ellipse whose sum is the load P, the largest moment. No
-/// pressure pulls, so the centre of pressure stays in the ellipse, and with no bound on p it gets
-/// to the edge: M_y = P a. With the bound, the largest moment is that of p_max on one side of a
-/// chord and nothing on the other (any other pressure can be moved outwards):
+/// Largest moment of a contact against tilting, M_x = int y p dA and M_y = -int x p dA about its
+/// centre, over all pressures 0 <= p <= p_max on the ellipse that carry the load P. Pressure cannot
+/// pull, so the centre of pressure stays in the ellipse; with no bound on p it can reach the edge:
+/// M_y = P a. With the bound, the largest moment is that of p_max on one side of a chord and
+/// nothing on the other (any other pressure can be moved outwards):
 ///   (beta - sin beta cos beta)/pi = 1/k,   k = pi a b p_max/P >= 1,
 ///   M_y = P a (2/3) sin³ beta/(beta - sin beta cos beta),   M_x likewise with b,
 /// beta the half angle of the chord in the coordinates x/a, y/b. In these the ellipse is a circle,
 /// so that the limit is an ellipse for all directions.
 ///
-/// Together with (f_x, f_y, tau, P) these are all six components that a planar contact can bear. A
-/// moment does not change the largest tangential force, mu P. The torque about the normal is then
-/// about the centre of pressure. Curved bodies that tilt by phi roll: the contact moves by phi
-/// times the relative radius without resistance, so that the moment is about where it was, P R phi.
+/// Together with (f_x, f_y, tau, P) these are all six wrench components that a planar contact can
+/// transmit. A moment does not change the largest tangential force, mu P. The torque about the
+/// normal is then about the centre of pressure. Curved bodies that tilt by phi roll: the contact
+/// moves by phi times the relative radius without resistance, which changes the moment about its
+/// former centre by P R phi.
 ///
 /// @param a_m, b_m    semi-axes, a >= b > 0
 /// @param load_N      P >= 0

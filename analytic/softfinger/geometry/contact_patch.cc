@@ -238,7 +238,7 @@ struct ContactSurface::State {
     return radius;
   }
 
-  /// Beyond it no region grows any more.
+  /// Radius beyond which no region grows any more.
   double largest_radius() const {
     double radius = kInfinity;
     for (const Body* body : {&finger, &object})
@@ -313,7 +313,8 @@ struct ContactSurface::State {
     fit = blend(kept);
   }
 
-  /// Nothing where one of the neighbours could not be fitted.
+  /// Interpolates the fits at a place between two radii; nothing where one of them could not be
+  /// fitted.
   std::optional<Fits> between_fits(double x) {
     const double rounded = std::round(x);
     if (x == rounded) {
@@ -426,8 +427,8 @@ ContactPatch ContactSurface::patch(
     return trial;
   };
 
-  // From the start outwards to the first region that is large enough, or inwards to the first that
-  // is not. As larger loads ask for larger regions, it grows with the load.
+  // Searches outwards from the start to the first region that is large enough, or inwards to the
+  // first that is not. As larger loads ask for larger regions, it grows with the load.
   Trial small = trial_at(0), large = small;
   if (small.too_small()) {
     // Beyond the ellipses there may be others, of another part of the surface.

@@ -28,20 +28,20 @@ struct ContactPatch {
   std::optional<QuadricFit> finger_fit, object_fit;  ///< set for mesh bodies
   double predicted_area_m2 = 0;                      ///< of the contact, for the final radii
   double region_area_m2 = 0;                         ///< pi times the region's radius squared
-  /// Over regions of 0.8 and of 1.25 times the radius, where they are elliptic: how much the answer
-  /// depends on the region, because no body is a quadric all over.
+  /// Radii over regions of 0.8 and of 1.25 times the radius, where they are elliptic. They show how
+  /// much the answer depends on the region, because no body is a quadric all over.
   std::vector<RelativeRadii> radii_of_other_regions;
   /// Share of the region that the surface covers, at most 1: less where it ends within the region.
   double covered = 1;
-  /// How far the bodies' surfaces may lie from their facets within the contact, together: a facet's
-  /// middle lies kappa e²/8 under a surface of curvature kappa whose vertices are e apart, with e
-  /// at most the contact's diameter. A mean over the n vertices of twice the contact's area is
-  /// known better by sqrt(n). 0 without an ellipse.
+  /// Distance in m by which the bodies' surfaces may differ from their facets within the contact,
+  /// both bodies together: the middle of a facet lies kappa e²/8 under a surface of curvature kappa
+  /// whose vertices are e apart, with e at most the contact's diameter. The mean over the n
+  /// vertices of twice the contact's area is known better by sqrt(n). 0 without an ellipse.
   double facet_doubt_m = 0;
   int iterations = 0;  ///< quadrics that were fitted
   bool agrees = true;  ///< region within 2 % of twice the predicted area
-  /// Why not, in words, when it does not ("the mesh has only 5 vertices within ..."), or that the
-  /// surface is narrower than the region.
+  /// Reason, in words, for a region that does not agree ("the mesh has only 5 vertices within
+  /// ..."), or a note that the surface is narrower than the region.
   std::string remark;
 };
 

@@ -121,7 +121,8 @@ class Facets {
   Eigen::MatrixXd vertex_terms(const Eigen::Matrix3d& frame) const {
     return quadric_columns(frame, vertices_, scale_);
   }
-  /// The same per sample, interpolated on its facet by the share of chords.
+  /// Returns the same terms at the samples: a blend of the exact ones and of those interpolated
+  /// linearly on the facet, the latter weighted by `chord_share_`.
   Eigen::MatrixXd terms(const Eigen::Matrix3d& frame) const {
     // Plain loops: this is where the time goes, also in a build without optimisation.
     const Eigen::MatrixXd of_vertices = vertex_terms(frame);
@@ -190,8 +191,9 @@ class Facets {
 };
 
 /// The least-squares problem of a region, reduced once to ten rows that hold in every frame: terms
-/// and depths in a frame are combinations of the monomials, and of these the triangular factor R of
-/// weights^1/2 monomials = Q R tells all. As accurate as the problem itself.
+/// and depths in a frame are combinations of the monomials, and the triangular factor R of
+/// weights^1/2 monomials = Q R contains all that is needed of these. As accurate as the problem
+/// itself.
 class ReducedProblem {
  public:
   explicit ReducedProblem(const Facets& facets) {
@@ -274,7 +276,7 @@ TangentFit fit_tangent(const Facets& facets, const Vector3d& first_normal) {
     if (arrived) return fit;
     const Vector3d turn = fit.frame.leftCols<2>() * tilts;
     // Half steps where full ones do not contract: the frame then follows a strongly curved region.
-    // Otherwise the last step tells by which one the tilt would have vanished.
+    // Otherwise the last step shows by which one the tilt would have vanished.
     const double left = last_turn.dot(turn) / last_turn.squaredNorm();
     step = tilt > 0.5 * previous && tilt >= 1e-8 ? 0.5
            : std::isfinite(left)                 ? std::clamp(step / (1 - left), 0.5, 1.5)
@@ -306,8 +308,8 @@ Eigen::VectorXd vertex_residuals(const Facets& facets, const TangentFit& fit,
                                  const Eigen::VectorXd& areas) {
   Eigen::VectorXd result =
       facets.vertex_depths(fit.frame) - facets.vertex_terms(fit.frame) * fit.coefficients;
-  // Where facets are read as the surface itself, all vertices of a curved surface lie above the fit
-  // by its sagitta.
+  // If the facets are taken as the surface itself, all vertices of a curved surface lie above the
+  // fit by its sagitta.
   result.array() -= areas.dot(result) / areas.sum();
   return result;
 }
@@ -567,8 +569,8 @@ struct RobustFit {
 };
 
 /// Moves a vertex onto the quadric that is fitted without it, so that neither its facets' chords
-/// nor their depths count. The fit follows the vertex by its leverage, which one step tells the
-/// next; where it follows wholly, steps stay short.
+/// nor their depths count. The fit follows the vertex by its leverage, which each step measures for
+/// the next; where it follows wholly, steps stay short.
 TangentFit fit_without(Facets& facets, Eigen::Index vertex, const RobustFit& with) {
   TangentFit fit = with.fit;
   double residual = with.scatter.of_vertices[vertex], step = residual;
@@ -585,7 +587,8 @@ TangentFit fit_without(Facets& facets, Eigen::Index vertex, const RobustFit& wit
   return fit;
 }
 
-/// At most one vertex in twenty is left out: more are no errors, but the surface.
+/// Fits a region without its outliers. At most one vertex in twenty is left out: more are no
+/// errors, but the surface.
 RobustFit fit_without_spikes(Facets& facets, const SurfaceRegion& region) {
   RobustFit found;
   found.fit = fit_tangent(facets, region.mean_normal);
@@ -624,7 +627,7 @@ void set_principal_radii(QuadricFit& result, double region_radius_m) {
 
 namespace {
 
-/// How the facets of a region are read: by their vertices, which lie on the surface, or as the
+/// Interpretation of a region's facets: only their vertices lie on the surface, or they are the
 /// surface itself.
 enum class Reading { vertices, facets };
 

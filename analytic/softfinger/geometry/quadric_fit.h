@@ -25,7 +25,7 @@ struct PrincipalCurvature {
 };
 PrincipalCurvature principal_curvature(const Quadric& quadric);
 
-/// What the surface is like in the fitted region.
+/// Kind of surface in the fitted region.
 enum class SurfaceKind {
   smooth,
   sharp_edge  ///< a kink of more than 35 degrees that stands out from the mesh's usual kinks: a
@@ -42,9 +42,9 @@ struct QuadricFit {
   Quadric quadric;
   Eigen::Matrix3d covariance_per_m2 = Eigen::Matrix3d::Zero();  ///< of (A, B, C)
   PrincipalCurvature principal;
-  /// One standard deviation of principal.radii_m: wide enough that two reach the far end of the two
-  /// of the curvature, and including the amount by which noise pushes nearly equal radii apart.
-  /// Infinite for a flat direction.
+  /// One standard deviation of principal.radii_m: wide enough that two of it reach the far end of
+  /// two standard deviations of the curvature, and including the amount by which noise pushes
+  /// nearly equal radii apart. Infinite for a flat direction.
   std::array<double, 2> radii_std_m{};
 
   Eigen::Vector3d origin_m;  ///< on the fitted surface, nearest to the given point
@@ -94,11 +94,11 @@ Eigen::Matrix3d surface_axes(const Eigen::Vector3d& normal);
 QuadricFit fit_quadric(const TriangleSurface& surface, const Eigen::Vector3d& point_m,
                        const Eigen::Vector3d* outward_normal, double region_radius_m);
 
-/// How much the radii depend on the region: the largest change of each principal curvature between
-/// the given fit and those over 0.8 and 1.25 times its radius, as a change of the radius, R² dk.
-/// Infinite for flat directions, and where neither region can be fitted or holds another part of
-/// the surface: then the change is not known. Noise changes the radii too: what exceeds the
-/// standard deviations is the surface's departure from a quadric.
+/// Returns how much the radii depend on the region: the largest change of each principal curvature
+/// between the given fit and those over 0.8 and 1.25 times its radius, as a change of the radius,
+/// R² dk. Infinite for flat directions, and where neither region can be fitted or each holds
+/// another part of the surface: then the change is not known. Noise changes the radii too; only
+/// what exceeds the standard deviations is the surface's departure from a quadric.
 std::array<double, 2> radii_region_change_m(const TriangleSurface& surface,
                                             const Eigen::Vector3d& point_m,
                                             const Eigen::Vector3d* outward_normal,

@@ -10,8 +10,8 @@ namespace softfinger::internal {
 /// `fit_quadric` for a neighbourhood that is kept over several radii.
 QuadricFit fit_quadric(const SurfaceNeighbourhood& neighbourhood, double region_radius_m);
 
-/// The same where the region has too few vertices, as those of a tessellation may have that is
-/// straight in one direction: the facets are read as the surface itself.
+/// Takes the facets as the surface itself. For a region with too few vertices, as in a tessellation
+/// that is straight in one direction.
 QuadricFit fit_quadric_to_facets(const SurfaceNeighbourhood& neighbourhood, double region_radius_m);
 
 /// Covariance of the principal curvatures (ascending) of a quadric whose coefficients have the

@@ -48,7 +48,7 @@ RelativeCurvature relative_curvature(const Quadric& finger,
   result.curvatures_per_m = internal::principal_curvatures_per_m(sum);
   const auto& k = result.curvatures_per_m;
 
-  // Where the bodies' curvatures cancel, what is left is round-off or the fit's noise.
+  // If the bodies' curvatures cancel, the remainder is round-off or the fit's noise.
   const double size = std::max(largest_curvature(finger), largest_curvature(object));
   const double round_off = 1e-9 * size;
   if (k[1] - k[0] > 1e-12 * size) result.radii.axis_rad = principal_curvature(sum).axis_rad;

@@ -9,7 +9,7 @@
 
 namespace softfinger {
 
-/// What kind of contact two quadrics make near their common point.
+/// Kind of contact that two quadrics make near their common point.
 enum class ContactKind {
   elliptic,    ///< one ellipse: both relative curvatures positive
   line,        ///< one relative curvature vanishes: a cylinder along a plane; no ellipse

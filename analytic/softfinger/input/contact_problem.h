@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-/// What every model of this project is asked: an elastic layer on a rigid core, the relative
-/// curvature of the two bodies, a load. SI units; the suffix of a name is its unit.
+/// The problem that every model of this project solves: an elastic layer on a rigid core, the
+/// relative curvature of the two bodies, a load. SI units; the suffix of a name is its unit.
 namespace softfinger {
 
 /// Homogeneous, isotropic, linearly elastic layer bonded to a rigid base.
@@ -75,7 +75,7 @@ struct PowerLaw {
   double pressure_exponent = 2;  ///< k >= 1: 2 Hertz-like, larger flatter
 };
 
-/// What single models let the user choose; the others ignore it.
+/// Options of individual models; the others ignore them.
 struct ModelOptions {
   WinklerModulus winkler_modulus = WinklerModulus::oedometric;
   PowerLaw power_law;
@@ -87,8 +87,8 @@ struct ContactProblem {
   ContactLoad load;
   ElasticLayer object_layer{};  ///< bonded to the object's rigid core; thickness 0: a rigid object
   ModelOptions options{};
-  /// Of the surface that carries the layer: the finger's own, undeformed. The object has the rest
-  /// of the relative curvature. Zero: a flat layer under a curved object.
+  /// Curvature of the finger's own, undeformed surface, which carries the layer; the object has the
+  /// rest of the relative curvature. Zero: a flat layer under a curved object.
   SurfaceCurvature finger_curvature{};
   /// The object is the exact sphere, not its paraboloid. Only models of large deformation see it.
   bool is_object_spherical = false;

@@ -35,7 +35,7 @@ class InputError : public std::runtime_error {
         value_(value),
         allowed_(allowed) {}
 
-  /// The same with the offending value as a number, which is shown with six digits.
+  /// Takes the offending value as a number, which is shown with six digits.
   InputError(const std::string& where, const std::string& field, double value,
              const std::string& allowed)
       : InputError(where, field, internal::number_text(value, 6), allowed) {}

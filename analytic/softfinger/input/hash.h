@@ -7,7 +7,7 @@
 
 namespace softfinger {
 
-/// FNV-1a (Fowler, Noll, Vo), 64 bits: tells texts apart that nobody forged, the same on every
+/// FNV-1a (Fowler, Noll, Vo), 64 bits: distinguishes texts that nobody forged, the same on every
 /// machine. No library that is linked anyway has a hash; this one finds each changed byte, because
 /// every step is one to one, and misses one of 2^64 other changes.
 /// @param begun  the hash of the bytes before these, to hash a text in pieces

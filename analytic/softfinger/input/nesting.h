@@ -12,8 +12,8 @@ namespace softfinger {
 /// Deepest nesting of brackets that is read. JSON of this project is nested at most ten deep.
 constexpr long kDeepestJson = 64;
 
-/// How deep the brackets of a JSON text are nested. Brackets inside strings do not count. For a
-/// text that is not JSON the result is at least the depth at which a parser stops.
+/// Returns how deep the brackets of a JSON text are nested. Brackets inside strings do not count.
+/// For a text that is not JSON the result is at least the depth at which a parser stops.
 inline long deepest_nesting(std::string_view text) {
   long depth = 0, deepest = 0;
   bool in_string = false;
@@ -33,8 +33,9 @@ inline long deepest_nesting(std::string_view text) {
   return deepest;
 }
 
-/// To be called before a JSON text is parsed: what walks through the parsed values (copies, writes
-/// them) needs stack for each level, and 300,000 of them are more than there is.
+/// Throws where a JSON text is nested too deep. To be called before parsing: code that walks
+/// through the parsed values (copies or writes them) needs stack for each level, and 300,000 levels
+/// overflow it.
 /// @param where  the file's name, for the message
 /// @throws InputError
 inline void check_nesting(std::string_view text, const std::string& where) {

@@ -41,7 +41,7 @@ double log_ring_arm_beyond_table(double log_aspect) noexcept {
 }
 
 LimitShapes limit_slopes_beyond_table(double L) noexcept {
-  // There all of them are nearly straight.
+  // All of these functions are nearly straight there.
   constexpr double kDifference = 1e-3;
   const auto above = numbers_of(L + kDifference), below = numbers_of(L - kDifference);
   const auto slope = [&](std::size_t i) { return (above[i] - below[i]) / (2 * kDifference); };

@@ -9,7 +9,7 @@ namespace softfinger {
 /// `torque_arm_paper_m` that of the circle of radius sqrt(ab).
 using BondedLayerContact = ContactNumbers;
 
-/// How the contact changes with the load: what a simulator needs for implicit steps.
+/// Derivatives of the contact with respect to the load, which a simulator needs for implicit steps.
 struct BondedLayerSensitivity {
   double area_m2_per_N = 0;        ///< d(pi a b)/dP
   double indentation_m_per_N = 0;  ///< dd/dP: the normal compliance

@@ -16,14 +16,14 @@ namespace softfinger {
 
 /// Pieces of the tables below: to ln(R'/R'') = 10, where ln(a/b) is smaller.
 constexpr int kShapePieces = 40, kShapeDegree = 8;
-/// Of `LimitShapes`, the aspects over L = ln(R'/R''), so that they vanish with it to the last
-/// digit.
+/// Table of `LimitShapes` over L = ln(R'/R''). Its aspects are divided by L, so that they vanish
+/// with it to the last digit.
 using ShapeTable = PiecewisePolynomial<6, kShapePieces, kShapeDegree>;
-/// Of `log_ring_arm` over the square of ln(a/b), with which it vanishes.
+/// Table of `log_ring_arm` divided by the square of ln(a/b), with which it vanishes.
 using RingTable = PiecewisePolynomial<1, kShapePieces, kShapeDegree>;
 const ShapeTable& shape_table() noexcept;
 const RingTable& ring_table() noexcept;
-/// Beyond the tables.
+/// Evaluations without a table, for arguments beyond its end.
 LimitShapes limit_slopes_beyond_table(double L) noexcept;
 double log_ring_arm_beyond_table(double log_aspect) noexcept;
 
@@ -41,7 +41,7 @@ inline double log_ring_arm(double log_aspect) noexcept {
   return log_aspect > RingTable::kEnd ? log_ring_arm_beyond_table(log_aspect)
                                       : log_aspect * log_aspect * ring_table().value(log_aspect)[0];
 }
-/// Its derivative.
+/// Derivative of `log_ring_arm`.
 inline double log_ring_arm_slope(double log_aspect) noexcept {
   // E(m) is 1 to 1e-8 beyond.
   if (log_aspect > RingTable::kEnd) return 0.5;
@@ -55,7 +55,7 @@ inline LayerQuantities table_correction(const TableCoordinates& at) noexcept {
   return bonded_layer_spline<false>(at, nullptr);
 }
 
-// The same with derivatives.
+// Overload that carries derivatives.
 template <int N>
 LimitShapesOf<Dual<N>> tabulated_limit_shapes(const Dual<N>& log_radii_ratio) noexcept {
   const double L = log_radii_ratio.value;
@@ -138,7 +138,8 @@ LayerQuantitiesOf<Real> bonded_layer_logarithms(const Real& log_load, const Real
   return detail::bonded_layer_logarithms(log_load, poisson_ratio, log_radii_ratio);
 }
 
-/// With derivatives: first by these three numbers only, however many they depend on themselves.
+/// Overload that carries derivatives: differentiates with respect to these three numbers first,
+/// then applies the chain rule, so that the cost hardly depends on N.
 template <int N>
 LayerQuantitiesOf<Dual<N>> bonded_layer_logarithms(const Dual<N>& log_load,
                                                    const Dual<N>& poisson_ratio,

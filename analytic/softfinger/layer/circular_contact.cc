@@ -85,7 +85,7 @@ Density solve(double a_m, const std::vector<CompliantLayer>& layers) {
   const int count = 32 + int(3 * a_m / thinnest(layers));
   Density density{gauss_legendre(count), {}, 0, wave_rule(a_m, layers), {}};
   const VectorXd& t = density.rule.nodes;
-  // The same cosines at the nodes and, in the last row, at the edge.
+  // cos(k t) at the nodes t and, in the last row, at the edge t = 1.
   MatrixXd cosines(count + 1, density.waves.nodes.size());
   for (Eigen::Index k = 0; k < cosines.cols(); ++k) {
     cosines.col(k).head(count) = (density.waves.nodes[k] * t.array()).cos();
@@ -178,7 +178,7 @@ CircularLayerContact circular_layer_contact_at_load(double load_over_modulus_m2,
       slope = std::clamp((residual - previous_residual) / (log_a - previous), kSmallestSlope,
                          kLargestSlope);
     const double step = -residual / slope;
-    // Where the load is met to rounding errors, or to those of the logarithm of a tiny radius.
+    // Done when the load is met to rounding, or to the rounding of the logarithm of a tiny radius.
     if (std::abs(residual) < kTolerance || std::abs(step) < 4e-16 * std::abs(log_a))
       return circular_layer_contact(a_m, radius_m, layers);
     if (log_a - residual / kLargestSlope > limit) return {};

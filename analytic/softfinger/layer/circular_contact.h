@@ -44,8 +44,8 @@ struct CompliantLayer {
 CircularLayerContact circular_layer_contact(double a_m, double radius_m,
                                             const std::vector<CompliantLayer>& layers);
 
-/// The same for a given P/E*, to a relative 1e-13 in P; a_m = 0 when a/h would exceed 120. About
-/// seven solutions.
+/// Solves for the contact radius at a given P/E*, met to a relative 1e-13; a_m = 0 when a/h would
+/// exceed 120. Cost: about seven times `circular_layer_contact`.
 CircularLayerContact circular_layer_contact_at_load(double load_over_modulus_m2, double radius_m,
                                                     const std::vector<CompliantLayer>& layers);
 

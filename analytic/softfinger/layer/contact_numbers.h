@@ -6,8 +6,8 @@
 
 namespace softfinger {
 
-/// What a contact of one layer with a rigid object depends on, as numbers that may carry
-/// derivatives or stand for several contacts. SI, as in ContactProblem.
+/// Inputs of a contact of one layer with a rigid object, as numbers that may carry derivatives or
+/// stand for several contacts. SI, as in ContactProblem.
 template <class Real>
 struct ContactInputOf {
   Real normal_force_N, youngs_modulus_Pa, poisson_ratio, thickness_m;
@@ -52,7 +52,7 @@ LayerArguments<Real> layer_arguments(const ContactInputOf<Real>& input) noexcept
       log(input.radius_major_m / input.radius_minor_m)};
 }
 
-/// From logarithms (LayerQuantity) to the contact itself.
+/// Converts logarithms (LayerQuantity) to the contact itself.
 template <class Real>
 ContactNumbersOf<Real> contact_of_logarithms(const LayerQuantitiesOf<Real>& logarithms,
                                              const Real& mean_radius_m,

@@ -222,8 +222,8 @@ double pressure_at_centre(const std::vector<Mode>& modes, const VectorXd& pressu
 
 }  // namespace
 
-// By trial. Against half as many terms more, load, torque, indentation and R'/R'' change by 1e-11
-// at a/h = 1 (round; 1e-7 at R'/R'' = 10), 2e-5 at 5 and 3e-5 up to 100.
+// Found by trial. With half as many terms more, load, torque, indentation and R'/R'' change by
+// 1e-11 at a/h = 1 (round; 1e-7 at R'/R'' = 10), 2e-5 at 5 and 3e-5 up to 100.
 SpectralResolution sufficient_resolution(double a, double b) noexcept {
   const int radial = std::min(30, int(6 + 2.2 * std::sqrt(a)));
   const int angular = a / b < 1 + 1e-9 ? 0 : std::min(8, int(4 + 2 * std::log(a / b)));
@@ -284,7 +284,7 @@ EllipticLayerContact elliptic_layer_contact_at_load(double load, double radii_ra
   constexpr double kAlmostRound = 1.001, kSlopeNearCircle = 1.8;
   const LimitShapes shapes = limit_shapes(radii_ratio);
   const LayerQuantities blend = layer_blend(shapes, std::log(load), kernel.compressibility());
-  // d ln(size)/d ln(load), which a difference tells well enough here.
+  // d ln(size)/d ln(load), for which a difference is accurate enough.
   constexpr double kStep = 1e-3;
   const double size_slope =
       (layer_blend(shapes, std::log(load) + kStep, kernel.compressibility())[kSize] -

@@ -17,7 +17,7 @@ struct EllipticLayerContact {
   double edge_deviation = 0;  ///< e4: in scaled coordinates the true edge is 1 + e4 cos 4t + ...
 };
 
-/// How many terms the pressure is expanded into.
+/// Number of terms in the expansion of the pressure.
 struct SpectralResolution {
   int radial = 12;  ///< largest l of (1 - r²)^(-1/2) Q_lm(r) cos(m t): degree 2 l in r
   int angular = 6;  ///< largest m/2 <= radial
@@ -41,8 +41,8 @@ SpectralResolution sufficient_resolution(double a, double b) noexcept;
 EllipticLayerContact elliptic_layer_contact(double a, double b, const LayerKernel& kernel,
                                             SpectralResolution resolution);
 
-/// The same with the load and R'/R'' >= 1 given, by Newton's method on ln a, ln b from the guess
-/// (a, b), to a relative residual of `tolerance`. Throws ConvergenceError.
+/// Solves for the ellipse at a given load and R'/R'' >= 1, by Newton's method on ln a, ln b from
+/// the guess (a, b), to a relative residual of `tolerance`. Throws ConvergenceError.
 EllipticLayerContact elliptic_layer_contact_at_load(double load, double radii_ratio,
                                                     const LayerKernel& kernel, double a_guess,
                                                     double b_guess, double tolerance = 1e-7);

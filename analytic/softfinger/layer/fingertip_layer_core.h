@@ -11,13 +11,13 @@
 /// plain arithmetic on any kind of number (see bonded_layer_core.h).
 namespace softfinger {
 
-/// What makes a finger differ from a flat layer in linear theory. Each vanishes with h/R and d/h.
-/// The first ones stay as they are when x and y change their names; they change ln sqrt(ab), ln d,
-/// ln peak and ln arm. The others then change their sign; they change ln(a/b).
+/// Effects that make a finger differ from a flat layer in linear theory. Each vanishes with h/R and
+/// d/h. Those before kSymmetricEffects do not change when x and y are exchanged; they correct ln
+/// sqrt(ab), ln d, ln peak and ln arm. The others change their sign; they correct ln(a/b).
 ///
 /// e = d/h; gx = (a/R')², gy = (b/R'')²; ox, oy likewise with the object's curvature alone; kx, ky,
-/// kxy the finger's curvature times h; l = s/(1 + s), s = sqrt(ab)/h; m = (a - b)/(a + b), all of
-/// `bonded_layer`, and e, g, o, k bounded (`bounded`).
+/// kxy the finger's curvature times h; l = s/(1 + s), s = sqrt(ab)/h; m = (a - b)/(a + b). All are
+/// those of `bonded_layer`, and e, g, o and k are limited by `bounded`.
 enum FingertipEffect {
   kStrain,             ///< e
   kStrainSquared,      ///< e²
@@ -58,17 +58,17 @@ constexpr int shapes_before(int effect) {
 constexpr int kSymmetricTerms = shapes_before(kSymmetricEffects);
 constexpr int kAspectTerms = shapes_before(kFingertipEffects) - kSymmetricTerms;
 
-/// What the symmetric terms correct, in the order of the table's columns.
+/// Quantities that the symmetric terms correct, in the order of the table's columns.
 enum FingertipColumn { kSizeColumn, kDepthColumn, kPeakColumn, kArmColumn, kFingertipColumns };
 
-/// Holds 95 % of the errors of `fingertip_layer` in a quantity.
+/// Relative width that holds 95 % of the errors of `fingertip_layer` in one quantity.
 struct FingertipWidth {
   double least, per_size, power;
   /// @param size  departure_size
   double at(double size) const noexcept { return least + per_size * std::pow(size, power); }
 };
 
-/// Where the runs lie that the terms were fitted to.
+/// Range of the finite-element runs to which the terms were fitted.
 struct FingertipRange {
   double largest_size = 20;         ///< s = sqrt(ab)/h
   double largest_radii_ratio = 20;  ///< R'/R''
@@ -85,9 +85,9 @@ constexpr FingertipRange kFingertipRange;
 struct FingertipLayerTable {
   double symmetric[kSymmetricTerms][kFingertipColumns];
   double aspect[kAspectTerms];
-  /// Of a, b, indentation, area, peak pressure, largest torque.
+  /// Error widths of a, b, indentation, area, peak pressure and largest torque, in this order.
   FingertipWidth widths[6];
-  /// What 95 % of these runs state at most as their own errors.
+  /// Errors of the same quantities in the runs themselves: 95 % of the runs state at most these.
   double finite_elements[6];
 };
 extern const FingertipLayerTable kFingertipLayerTable;
@@ -154,9 +154,10 @@ FingertipArguments<Real> fingertip_arguments(const ContactInputOf<Real>& input,
   return at;
 }
 
-/// By how much a hollow object that nearly fits the finger makes the gap one of shapes, not of
-/// radii of curvature: four times the gap's change from a paraboloid to an ellipsoid, (a k)² (k R -
-/// 1) with the finger's curvature k and the gap's radius R, along the axis where it is larger.
+/// Measure of how closely a hollow object fits the finger, so that the gap depends on the shapes
+/// and not on the radii of curvature alone: four times the gap's change from a paraboloid to an
+/// ellipsoid, (a k)² (k R - 1) with the finger's curvature k and the gap's radius R, along the axis
+/// where it is larger.
 inline double fit_of_object(const ContactInputOf<double>& input, double a_m, double b_m) noexcept {
   const auto along = [](double curvature_per_m, double radius_m, double semi_axis_m) {
     const double slope = semi_axis_m * curvature_per_m;
@@ -212,7 +213,8 @@ FingertipCorrectionOf<Real> fingertip_correction(const FingertipLayerTable& tabl
   return correction;
 }
 
-/// With derivatives: the polynomials carry those with respect to n and l only.
+/// Overload that carries derivatives: the polynomials are differentiated with respect to n and l
+/// only, and the chain rule gives the rest.
 template <int N>
 FingertipCorrectionOf<Dual<N>> fingertip_correction(const FingertipLayerTable& table,
                                                     const FingertipArguments<Dual<N>>& at,
@@ -268,7 +270,7 @@ FingertipCorrectionOf<Dual<N>> fingertip_correction(const FingertipLayerTable& t
   return correction;
 }
 
-/// From the flat layer's logarithms to those of the finger.
+/// Applies the corrections to the flat layer's logarithms.
 template <class Real>
 ContactNumbersOf<Real> corrected_contact(const LayerQuantitiesOf<Real>& flat,
                                          const ContactNumbersOf<Real>& flat_numbers,

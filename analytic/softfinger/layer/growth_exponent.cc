@@ -11,7 +11,7 @@ namespace {
 constexpr double kSmallestSize = 0.05, kLargestSize = 20;
 constexpr double kLogSizeStep = 0.3;  ///< gamma has one minimum over ln s, several steps wide
 
-/// With h = 1 and R = 1: P/(E* h²) of any other radius is this times h/R.
+/// Solves the contact with h = 1 and R = 1: P/(E* h²) of any other radius is this times h/R.
 CircularLayerContact unit_contact(double s, double poisson_ratio) {
   return circular_layer_contact(s, 1, {{LayerKernel(poisson_ratio), 1, 1}});
 }

@@ -2,13 +2,13 @@
 
 #include <optional>
 
-/// How a round contact of a bonded layer grows with its load: gamma = d ln a/d ln P. It depends on
-/// s = a/h and Poisson's ratio alone, so a measured exponent tells the thickness without any
-/// modulus: 1/3 on a thick layer (Hertz), 1/4 on a thin compressible one (Winkler), 1/6 on a thin
-/// incompressible one.
+/// Growth exponent of a round contact of a bonded layer with its load: gamma = d ln a/d ln P. It
+/// depends on s = a/h and Poisson's ratio alone, so a measured exponent determines the thickness
+/// without any modulus: 1/3 on a thick layer (Hertz), 1/4 on a thin compressible one (Winkler), 1/6
+/// on a thin incompressible one.
 namespace softfinger {
 
-/// What grows.
+/// Quantity whose growth exponent is asked for.
 enum class Growing {
   radius,     ///< a
   torque_arm  ///< (int p r dA)/P, slower by some 6 % of gamma, because the pressure changes its
@@ -20,9 +20,9 @@ enum class Growing {
 /// [0, 1/2].
 double layer_growth_exponent(double s, double poisson_ratio, Growing what = Growing::radius);
 
-/// The s at which a layer grows like this, the smallest if there are several: between nu = 0.4 and
-/// 1/2, gamma falls below 1/4 before it rises to it. Nothing when no layer between s = 0.05 and 20
-/// does: near 1/3 the layer is too thick for its thickness to be felt.
+/// Returns the s = a/h at which a layer has this exponent, the smallest if there are several:
+/// between nu = 0.4 and 1/2, gamma falls below 1/4 before it rises to it. Nothing when no layer
+/// between s = 0.05 and 20 has it: near 1/3 the layer is too thick for its thickness to matter.
 std::optional<double> layer_size_of_exponent(double exponent, double poisson_ratio,
                                              Growing what = Growing::radius);
 

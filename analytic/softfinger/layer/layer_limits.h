@@ -56,8 +56,8 @@ LayerQuantitiesOf<Real> layer_blend(const LimitShapesOf<Real>& shapes, const Rea
   constexpr double k = kThickThinExponent;
   const Real log_hertz = shapes.log_hertz_size_at_unit_load + log_load * (1. / 3);
   const Real log_incompressible = shapes.log_incompressible_size_at_unit_load + log_load * (1. / 6);
-  // Of the thin layer: s⁴ = 4 P/(pi M/E*) over that of the incompressible one,
-  // M/E* = (1 - nu)²/(1 - 2 nu); zero at nu = 1/2.
+  // s⁴ of the thin compressible layer, 4 P/(pi M/E*), over that of the incompressible one; M/E* =
+  // (1 - nu)²/(1 - 2 nu). Zero at nu = 1/2.
   const Real one_minus_nu = 0.5 * (1. + compressibility);
   const Real softness = compressibility * (1.2732395447351628 / (one_minus_nu * one_minus_nu)) *
                         exp(log_load - kThinExponent * log_incompressible);
@@ -84,10 +84,10 @@ LayerQuantitiesOf<Real> layer_blend(const LimitShapesOf<Real>& shapes, const Rea
   return blend;
 }
 
-/// Where the table of corrections is read: in the blend's ln(sqrt(ab)/h), in a coordinate of the
+/// Coordinates of the table of corrections: the blend's ln(sqrt(ab)/h); a measure of the
 /// compressibility that follows the change from compressible to incompressible thin layers, which
-/// happens at s² (1 - 2 nu) ~ 8, and in ln(R'/R''). The first grows from `kTableLogSizeMin` to
-/// `kTableLogSizeMax`, the second from 0 to 1, the third from 0.
+/// happens at s² (1 - 2 nu) ~ 8; and a measure of ln(R'/R''). The first grows from
+/// `kTableLogSizeMin` to `kTableLogSizeMax`, the second from 0 to 1, the third from 0.
 template <class Real>
 struct TableCoordinatesOf {
   Real log_size, compressibility, elongation;

@@ -138,7 +138,8 @@ std::array<Real, StuckStiffnessTable::kFunctions> stuck_polynomials(
   return sum;
 }
 
-/// With derivatives: the polynomials carry those with respect to T, v and e² only.
+/// Overload that carries derivatives: the polynomials are differentiated with respect to T, v and
+/// e² only, and the chain rule gives the rest.
 template <int N>
 std::array<Dual<N>, StuckStiffnessTable::kFunctions> stuck_polynomials(
     const StuckBlendOf<Dual<N>>& blend) noexcept {

@@ -50,7 +50,7 @@ struct Dual {
       result.slope[i] = inverse * (x.slope[i] - result.value * y.slope[i]);
     return result;
   }
-  // With constants, which have no derivatives.
+  // Operations with constants, which have no derivatives.
   friend Dual operator+(const Dual& x, double y) noexcept { return chain(x, x.value + y, 1); }
   friend Dual operator+(double x, const Dual& y) noexcept { return chain(y, x + y.value, 1); }
   friend Dual operator-(const Dual& x, double y) noexcept { return chain(x, x.value - y, 1); }

@@ -49,7 +49,7 @@ struct Pack {
   }
   Pack& operator+=(const Pack& y) noexcept { return *this = *this + y; }
 
-  /// Of each number, whether it holds.
+  /// Result of a comparison, one truth value for each number.
   using Mask = plain::detail::PackMask;
   friend Mask operator>=(const Pack& x, const Pack& y) noexcept { return x.numbers >= y.numbers; }
   friend Mask operator<=(const Pack& x, const Pack& y) noexcept { return x.numbers <= y.numbers; }

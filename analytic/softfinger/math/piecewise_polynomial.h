@@ -41,7 +41,7 @@ class PiecewisePolynomial {
     return even;
   }
 
-  /// The same, and the derivatives.
+  /// Evaluates the functions at x and, in `*slope`, their derivatives.
   Values value(double x, Values* slope) const noexcept {
     double t;
     const Values* term = place(x, &t);

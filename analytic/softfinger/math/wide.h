@@ -6,7 +6,7 @@ namespace softfinger {
 /// Short loops the compiler takes apart before it sees what they are.
 constexpr int kFour = 4;
 using Four [[gnu::vector_size(kFour * sizeof(double))]] = double;
-/// Of four comparisons: all bits or none.
+/// Result of four comparisons: all bits of an element are set, or none.
 using FourConditions = decltype(Four{} > Four{});
 
 /// Four doubles in memory of any alignment. A copy of bytes would go through the stack by halves.

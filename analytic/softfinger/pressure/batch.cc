@@ -10,7 +10,7 @@
 
 namespace softfinger {
 
-// What looks into a table does so for one contact after the other.
+// Table look-ups handle one contact after the other.
 inline LimitShapesOf<Pack> tabulated_limit_shapes(const Pack& log_radii_ratio) noexcept {
   LimitShapesOf<Pack> shapes;
   for (int i = 0; i < Pack::kSize; ++i) {

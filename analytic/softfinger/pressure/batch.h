@@ -38,8 +38,8 @@ struct ContactBatch {
   }
 };
 
-/// Where the answers go: arrays of as many numbers, null for what is not wanted. All zero where the
-/// model has no answer; ask `predict` why.
+/// Destination of the answers: arrays with one number for each contact, null for a quantity that is
+/// not wanted. All zero where the model has no answer; `predict` says why.
 struct PredictionBatch {
   double* a_m = nullptr;
   double* b_m = nullptr;
@@ -58,7 +58,7 @@ class PressureModel;
 void predict_batch(const PressureModel& model, const ContactBatch& contacts,
                    const PredictionBatch& predictions) noexcept;
 
-/// What `bonded_layer` and `fingertip_layer` override PressureModel::predict_batch with.
+/// `PressureModel::predict_batch` of `bonded_layer` and `fingertip_layer`.
 void predict_bonded_layer_batch(const PressureModel& model, const ContactBatch& contacts,
                                 const PredictionBatch& predictions) noexcept;
 void predict_fingertip_layer_batch(const PressureModel& model, const ContactBatch& contacts,

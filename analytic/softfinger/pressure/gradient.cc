@@ -91,7 +91,7 @@ Gap<Real> gap_of(const std::array<Real, 4>& curvatures, const Real& cos_2_angle,
   const Real mean = 0.5 * (curvatures[0] + curvatures[1] + curvatures[2] + curvatures[3]);
   const Real deviator_x = finger + object * cos_2_angle, deviator_y = object * sin_2_angle;
   const Real squared = deviator_x * deviator_x + deviator_y * deviator_y;
-  // Where both curvatures are equal any axes are principal ones: the finger's.
+  // With equal curvatures any axes are principal ones: the finger's are taken.
   const bool is_round = !(squared > 1e-24 * (mean * mean));
   const Real deviator = is_round ? Real(0) : sqrt(squared);
   const Real low = mean - deviator, high = mean + deviator;
@@ -123,7 +123,7 @@ PredictionWithGradient predict_with_gradient(const PressureModel& model,
 BodyDerivatives by_body_radii(const Derivatives& of, const BodyRadii& bodies) noexcept {
   using Number = Dual<5>;
   const auto curvature = [](double radius_m, int index) {
-    // By the radius itself; a flat side has none.
+    // Derivative with respect to the radius itself; zero for a flat side.
     return Number::chain(Number::variable(0, index), 1 / radius_m, -1 / radius_m / radius_m);
   };
   bool is_elliptic = false;

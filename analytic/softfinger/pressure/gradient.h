@@ -21,7 +21,7 @@ struct PredictionGradient {
   Derivatives a_m, b_m, indentation_m, area_m2, peak_pressure_Pa, torque_arm_exact_m,
       torque_arm_paper_m;
   Derivatives max_torque_Nm;  ///< mu P times the exact arm
-  /// Of the contact before it slips, `stuck_stiffness` on this model's ellipse.
+  /// Stiffness of the contact before it slips: `stuck_stiffness` on this model's ellipse.
   StuckStiffness stuck;
   Derivatives torsional_stiffness_Nm_per_rad, tangential_stiffness_x_N_per_m,
       tangential_stiffness_y_N_per_m;

@@ -5,11 +5,11 @@
 
 namespace softfinger {
 
-/// What `layer_fft` answers for a gap that is no quadric.
+/// Answer of `layer_fft` for a gap that is not a quadric.
 struct GapPrediction {
-  /// As of any model, with the semi-axes of the ellipse that fits the contact's edge best, `a_m`
-  /// along `contact.edge.axis_rad` from the gap's own x axis. `small_slope` measures the gap's
-  /// slope at the edge.
+  /// Prediction as of any model, with the semi-axes of the ellipse that fits the contact's edge
+  /// best, `a_m` along `contact.edge.axis_rad` from the gap's own x axis. `small_slope` measures
+  /// the gap's slope at the edge.
   Prediction prediction;
   LayerContact contact;  ///< region, pressure, centre, in the gap's frame
 };

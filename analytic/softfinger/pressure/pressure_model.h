@@ -14,8 +14,9 @@
 
 namespace softfinger {
 
-/// How exactly a model solves its own equations. Tests of all models take their tolerances from
-/// here. The defaults are those of a closed form; any other model states its own, with the reason.
+/// Accuracy with which a model solves its own equations. Tests of all models take their tolerances
+/// from here. The defaults are those of a closed form; any other model states its own, with the
+/// reason.
 struct NumericalAccuracy {
   /// Relative error of load and torque arm when `pressure_Pa` is integrated over the contact
   /// ellipse, and of `pressure_Pa` at the centre against the peak.
@@ -27,6 +28,14 @@ struct NumericalAccuracy {
   std::string_view reason =
       "closed form: rounding only. Near the edge the pressure is a small difference, with a "
       "relative error up to the root of epsilon, over a strip of relative area epsilon";
+};
+
+/// The numbers of a layer that a model's answers depend on. Measurements cannot tell others.
+enum class LayerConstants {
+  all,                   ///< E, nu and h
+  plane_strain_modulus,  ///< E/(1 - nu²) alone
+  foundation_modulus,    ///< the stiffness of a column: a modulus over h
+  none                   ///< a measured law needs none
 };
 
 /// Description of a model: what a reader must know before using it.
@@ -41,6 +50,9 @@ struct ModelCard {
   bool hot_path = true;          ///< fit for a simulator's inner loop: microseconds, no allocation
   bool finite_strain = false;    ///< of large deformation: not to be compared with linear solutions
   NumericalAccuracy accuracy = {};
+  LayerConstants layer_constants = LayerConstants::all;
+  bool is_empirical = false;   ///< its constants are measured on one finger and hold for no other
+  bool is_calibrated = false;  ///< a calibration fits it to measurements
 };
 
 /// One assumption of a model, measured on the problem at hand: it holds while `value` stays
@@ -87,7 +99,7 @@ class Validity {
   }
 
  private:
-  /// In the place of a check that holds; never in the last place.
+  /// Replaces a check that holds by a failing one; never the last check.
   void keep_if_failing(const ValidityCheck& check) noexcept {
     if (check.holds()) return;
     for (std::size_t i = 0; i + 1 < kCapacity; ++i) {
@@ -131,7 +143,7 @@ class PressureModel {
   /// as `Prediction::validity`.
   virtual Prediction predict(const ContactProblem& problem) const noexcept = 0;
 
-  /// The numbers of the prediction with their derivatives, where the model can tell them: exact, by
+  /// The numbers of the prediction with their derivatives, for a model that has them: exact, by
   /// forward differentiation. Only for one layer, and where `predict` has an answer
   /// (`predict_differentiated` sees to both).
   virtual std::optional<DifferentiatedContact> differentiated(

@@ -81,14 +81,14 @@ inline ValidityCheck small_strain_check(double strain) noexcept {
       "by more than 10 %, less so when nearly incompressible"};
 }
 
-/// The same where one layer takes the whole indentation: d/h.
+/// Check of the strain d/h of a layer that takes the whole indentation.
 inline ValidityCheck small_strain_check(const Prediction& prediction,
                                         const ElasticLayer& layer) noexcept {
   return small_strain_check(prediction.indentation_m / layer.thickness_m);
 }
 
-/// The same for two layers in series, whose compliances (indentation per load, in one unit) share
-/// the indentation: the more strained of the two. Zero for a rigid object.
+/// Check of the larger strain of two layers in series, whose compliances (indentation per load, in
+/// one unit) share the indentation. A rigid object counts as no layer.
 inline ValidityCheck small_strain_check(const Prediction& prediction, const ContactProblem& problem,
                                         double compliance, double object_compliance) noexcept {
   double strain = prediction.indentation_m / problem.layer.thickness_m;
@@ -170,7 +170,7 @@ inline ValidityCheck first_range_violation(const ContactProblem& problem) noexce
   return {};
 }
 
-/// Why a model whose theory knows one layer has no answer for two.
+/// Reason why a model whose theory knows one layer has no answer for two.
 inline ValidityCheck one_layer_only(const ContactProblem& problem) noexcept {
   if (!problem.has_object_layer()) return {};
   return {"rigid_object", 1, 0, true,
@@ -189,9 +189,10 @@ inline ValidityCheck not_representable() noexcept {
 /// overflowed, underflowed or lost digits to subnormal numbers is not passed on.
 inline Prediction finite_or_no_answer(const Prediction& prediction,
                                       const ContactProblem& problem) noexcept {
+  // An area is larger by 1e6 in mm².
+  constexpr double kLargest = 1e-6 * std::numeric_limits<double>::max();
   const auto normal = [](double value) {
-    return value >= std::numeric_limits<double>::min() &&
-           value <= std::numeric_limits<double>::max();
+    return value >= std::numeric_limits<double>::min() && value <= kLargest;
   };
   bool representable =
       normal(prediction.a_m) && normal(prediction.b_m) && normal(prediction.area_m2()) &&

@@ -1,4 +1,4 @@
-// What the page's script calls. Numbers go through memory, words come back as JSON.
+// Functions that the page's script calls. Numbers go through memory, words come back as JSON.
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -29,8 +29,9 @@ double numbers[13];
 
 extern "C" {
 
-/// Where the script puts R', R'', h, E, nu, P, mu (SI), tolerance, the shown model's place, the
-/// finger's parts of the relative curvature along x, y and its twist, and 1 for a sphere as object.
+/// Buffer into which the script writes R', R'', h, E, nu, P, mu (SI), tolerance, the shown model's
+/// place, the finger's parts of the relative curvature along x, y and its twist, and 1 for a sphere
+/// as object.
 __attribute__((export_name("question"))) double* question() { return numbers; }
 
 /// The answer to what lies there: `softfinger::explorer::answer`, ended by a zero.

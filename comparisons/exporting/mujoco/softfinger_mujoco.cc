@@ -26,13 +26,13 @@ struct NormalRow {
   int geom1 = 0, geom2 = 0, row = 0;
 };
 
-/// Of a pair of geoms, all its contact points together.
+/// Normal force of a pair of geoms, over all its contact points.
 struct PairForce {
   int geom1 = 0, geom2 = 0;
   double normal_N = 0;
 };
 
-/// What is remembered from step to step of one mjData.
+/// State of one mjData that is kept from step to step.
 struct DataState {
   const mjData* data = nullptr;
   double time_s = 0;

@@ -54,7 +54,8 @@ SOFTFINGER_MUJOCO_API void softfinger_mujoco_free(softfinger_mujoco* plugin);
 /// called while one of them steps.
 SOFTFINGER_MUJOCO_API void softfinger_mujoco_install(softfinger_mujoco* plugin);
 
-/// What the callback does, for programs with a loop of their own: between mj_step1 and mj_step2.
+/// Does the work of the callback, for programs with a loop of their own: between mj_step1 and
+/// mj_step2.
 SOFTFINGER_MUJOCO_API void softfinger_mujoco_apply(softfinger_mujoco* plugin,
                                                    const struct mjModel_* model,
                                                    struct mjData_* data);

@@ -296,7 +296,7 @@ json atlas_overview(const AtlasFile& atlas) {
 }
 
 json finite_strain_overview(const AtlasFile& atlas) {
-  // Where fingertips of rubber work: touched lightly, held, pressed hard.
+  // Ranges of d/h at which fingertips of rubber work: touched lightly, held, pressed hard.
   const std::vector<std::pair<double, double>> depths = {{0, 0.05}, {0.05, 0.15}, {0.15, 0.6}};
   std::set<double> poisson_ratios;
   for (const AtlasRun& run : atlas.runs) poisson_ratios.insert(run.poisson_ratio);

@@ -17,8 +17,8 @@ nlohmann::json atlas_overview(const AtlasFile& atlas);
 /// Poisson's ratio (report/README.md, "finite_strain"): quantiles over the runs of each kind.
 nlohmann::json finite_strain_overview(const AtlasFile& atlas);
 
-/// Where a contact lies on the maps: {"id", "load_N", "poisson_ratio", "radii_ratio", "s", "seed"};
-/// s by the bonded layer, null without answer.
+/// Place of a contact on the maps: {"id", "load_N", "poisson_ratio", "radii_ratio", "s", "seed"}; s
+/// by the bonded layer, null without answer.
 nlohmann::json map_mark(const input::Case& contact_case, const ContactProblem& problem);
 
 /// The marks of the built-in cases that are the fingertips of Ciocarlie et al. (2007).

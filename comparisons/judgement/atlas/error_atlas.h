@@ -22,7 +22,7 @@ using prediction::kQuantityNames;
 using prediction::Quantity;
 using prediction::QuantityErrors;
 
-/// What a run of the finite elements solves.
+/// Kind of problem that a run of the finite elements solves.
 enum class AtlasKind {
   flat,           ///< a paraboloid on a flat layer, linear
   curved,         ///< a plane on a round finger's layer, linear
@@ -49,8 +49,9 @@ struct AtlasRun {
   double thickness_over_radius =
       0;  ///< h/R of a curved finger, sphere or pad, R = sqrt(R' R''); else 0
   double friction_coefficient = 0;
-  /// Of kind "finger": its curvature along the long and the short axis over that of the gap, 1/R'
-  /// and 1/R'', and its twist times sqrt(R' R''); the object has the rest. NaN for others.
+  /// Curvature of a finger (kind "finger") along the long and the short axis over that of the gap,
+  /// 1/R' and 1/R'', and its twist times sqrt(R' R''); the object has the rest. NaN for other
+  /// kinds.
   double finger_share_x = kNaN, finger_share_y = kNaN, finger_share_xy = kNaN;
   /// a/h, b/h, d/h, area/h², peak pressure/E*, max torque/(mu P h).
   QuantityErrors answer{};

@@ -17,7 +17,7 @@ namespace {
 
 /// Scatter of the finite elements that no number of a single run states.
 constexpr double kScatter = 0.002;
-/// Of the stated error the true one is a quarter in the median.
+/// Median of the true error over the stated one.
 constexpr double kPartOfStated = 0.25;
 /// Against terms that hardly differ within the runs.
 constexpr double kRidge = 1e-5;
@@ -71,7 +71,7 @@ QuantityErrors predicted(const Sample& sample, const FingertipLayerTable& table)
           found.torque_arm_exact_m};
 }
 
-/// What a least-squares problem of several right-hand sides needs.
+/// Equations of a least-squares problem with several right-hand sides.
 struct Equations {
   Eigen::MatrixXd terms;  ///< a row per sample
   Eigen::VectorXd solve(const Eigen::VectorXd& departures, const Eigen::VectorXd& weights) const {
@@ -160,7 +160,7 @@ double quantile(std::vector<double> values, double part) {
   return *place;
 }
 
-/// Of the widths that hold enough of the residuals the one of least geometric mean.
+/// Returns the width of least geometric mean among those that hold enough of the residuals.
 FingertipWidth width_of(const std::vector<double>& residuals, const std::vector<double>& sizes) {
   FingertipWidth width{};
   double best = std::numeric_limits<double>::infinity();
@@ -216,7 +216,7 @@ FittedFingertip fit_fingertip(const AtlasFile& atlas) {
 std::map<std::string, BoundTest> test_bounds_on_fingers(const AtlasFile& unseen) {
   std::map<std::string, BoundTest> tests;
   for (const PressureModel* model : all_pressure_models()) {
-    if (model->card().name == "power_law") continue;  // it holds for the finger it was fitted to
+    if (model->card().is_empirical) continue;  // it holds for the finger it was fitted to
     BoundTest test;
     std::array<std::vector<double>, kQuantities> ratios, all_errors;
     for (const AtlasRun& run : unseen.runs) {

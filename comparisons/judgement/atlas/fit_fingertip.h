@@ -11,12 +11,12 @@
 /// finite strain.
 namespace softfinger::judgement {
 
-/// What bounds say of runs that nothing was fitted to.
+/// Test of error bounds on runs that nothing was fitted to.
 struct BoundTest {
   std::size_t runs = 0;
   QuantityErrors inside{};  ///< share of the errors within their bound
   QuantityErrors ratio{};   ///< median of bound over error
-  /// Of the errors: the median, what 95 % of them do not exceed, the largest.
+  /// Errors: the median, the value that 95 % of them do not exceed, the largest.
   QuantityErrors median{}, most{}, largest{};
 };
 

@@ -102,7 +102,7 @@ void judge(Candidate& candidate, const SelectionOptions& options) {
   for (std::size_t q = 0; q < kQuantities; ++q) {
     if (!options.demand.quantities[q]) continue;
     const double total = (*candidate.bound)[q];
-    // What is not known is not within any tolerance.
+    // An unknown error is within no tolerance.
     if (!(total <= candidate.worst)) {
       candidate.worst = std::isnan(total) ? kInfinity : total;
       candidate.worst_quantity = Quantity(q);

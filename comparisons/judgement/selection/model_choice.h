@@ -68,7 +68,7 @@ nlohmann::json results_json(const Choice& choice);
 /// "2 N: fingertip_layer within 1 % (area), 1.2 us per answer", or why there is none.
 std::string answer_line(const Choice& choice);
 
-/// The same as a table to read.
+/// The choice as a table to read.
 std::string table(const Choice& choice, const SelectionOptions& options);
 
 }  // namespace softfinger::judgement

@@ -27,7 +27,7 @@ const char* const kContactDetailNames[5] = {"point", "ellipsoid", "six_patches",
 
 namespace {
 
-/// How much one pair of bodies was loaded: the worst of all its contacts at all times.
+/// Use of one pair of bodies: the worst of all its contacts at all times.
 struct PairUse {
   PairChoice choice;
   FingerContact contact;              ///< at the largest load
@@ -193,7 +193,7 @@ void share_demands(Uses& uses) {
 /// The cheapest friction law that is enough near the limit.
 /// @param surface_change  how far the ellipsoid is off there
 const input::FrictionLaw* sufficient_friction(double surface_change, double tolerance) {
-  // Of six patches, any ellipse; see six_patch_surface.h.
+  // Relative error of six patches for any ellipse; see six_patch_surface.h.
   constexpr double kPatches = 0.021;
   if (surface_change <= tolerance) return &input::kEllipsoidLaw;
   return kPatches <= tolerance ? &input::kSixPatchesLaw : &input::kLimitSurfaceLaw;
@@ -216,7 +216,7 @@ void decide(PairUse& use, double tolerance) {
   options.demand.quantities.fill(false);
   options.demand.quantities[std::size_t(Quantity::max_torque)] = true;
   for (const PressureModel* model : all_pressure_models())
-    if (model->card().hot_path && model->card().name != "power_law")
+    if (model->card().hot_path && !model->card().is_empirical)
       options.models.emplace_back(model->card().name);
   choice.pressure = choose_for_finger(use.contact.problem, options);
   choice.friction = sufficient_friction(choice.surface_change, tolerance);
@@ -356,12 +356,12 @@ MotionChange change_between(const Recording& accurate, const Recording& chosen) 
   return change;
 }
 
-/// What two simulations of the same motion differ by through round-off and the solver's residual,
-/// summed over the steps, stays below this.
+/// Differences below these can come from round-off and the solver's residual, summed over the
+/// steps.
 constexpr double kStill_m = 1e-9, kStill_rad = 1e-9;
 
 bool holds(const MotionChange& change, double tolerance) {
-  // Where nothing moves, round-off is not a change.
+  // Round-off is not a change, even where nothing moves.
   return change.position_m <= tolerance * change.travel_m + kStill_m &&
          change.rotation_rad <= tolerance * std::max(change.turn_rad, 0.) + kStill_rad;
 }
@@ -444,7 +444,7 @@ double interpolation_error(const std::vector<double>& eccentricity_m) {
 
 namespace {
 
-/// What the contacts use of their limits in the reference with tables: the e_n before was not the
+/// Takes the contacts' utilisation from the reference with tables: the e_n before was not the
 /// finger's.
 void take_utilisation(const input::Scene& accurate, const Recording& reference, double tolerance,
                       Uses& uses) {

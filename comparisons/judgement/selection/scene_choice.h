@@ -14,7 +14,7 @@
 /// simpler models change the motion.
 namespace softfinger::judgement {
 
-/// What the contacts of two bodies need, from less to more.
+/// Detail that the contacts of two bodies need, from less to more.
 enum class ContactDetail {
   point,          ///< no torque about the normal, for contacts that hardly carry any
   ellipsoid,      ///< friction ellipsoid, e_n(P) of a pressure model
@@ -41,8 +41,8 @@ struct PairChoice {
   std::string reason;
 };
 
-/// How far two motions are apart: the largest difference of any body's position and orientation at
-/// the same time, beside the largest travel of any body.
+/// Difference of two motions: the largest difference of any body's position and orientation at the
+/// same time, beside the largest travel of any body.
 struct MotionChange {
   double position_m = 0, rotation_rad = 0;
   double travel_m = 0, turn_rad = 0;
@@ -58,8 +58,8 @@ struct SceneChoice {
   simulation::Recording plain, chosen;  ///< the scene as it is written, and with what was chosen
   int refinements = 0;  ///< how often pairs had to be modelled in more detail for that
   double accurate_step_ms = 0, chosen_step_ms = 0;  ///< medians
-  /// What the pressure models take of a chosen step with all soft contacts closed, two rounds each
-  /// (a load and the e_n of it).
+  /// Time of the pressure models in a chosen step with all soft contacts closed, two rounds each (a
+  /// load and the e_n of it).
   double models_step_ms = 0;
   input::Scene scene;  ///< with what was chosen
 };
@@ -97,7 +97,7 @@ double interpolation_error(const std::vector<double>& eccentricity_m);
 SceneChoice choose_for_scene(const input::Scene& scene, double tolerance, const FemTable& fem_table,
                              const std::function<void(const std::string&)>& progress);
 
-/// What the most accurate simulation was, with which the chosen one is compared.
+/// Describes the most accurate simulation, with which the chosen one is compared.
 std::string reference_in_words(const SceneChoice& choice);
 
 /// "by at most 0.12 mm of 40 mm and at most 3.1° of 20° (object)". What is smaller than a

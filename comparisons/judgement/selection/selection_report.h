@@ -16,8 +16,8 @@ struct LoadChoice {
   Choice choice;
 };
 
-/// What select.html is made of (report/README.md): the choices, stated errors over the load, causes
-/// of the torque's error in the nearest run of the atlas, the atlas itself. About a second.
+/// Data of select.html (report/README.md): the choices, stated errors over the load, causes of the
+/// torque's error in the nearest run of the atlas, the atlas itself. Takes about a second.
 nlohmann::json selection_report(const input::Case& contact_case,
                                 const prediction::GeometryResolver& resolver,
                                 const SelectionOptions& options,

@@ -1,4 +1,4 @@
-// What the finite-element program reads.
+// Problem files of the finite-element program.
 
 #include "comparisons/reference/fem_problem.h"
 

@@ -18,7 +18,7 @@ bool read(std::string_view bytes) {
   }
 }
 
-/// Without those of meshes, which a build without gmsh lacks.
+/// Scenes without meshes, which a build without gmsh lacks.
 std::vector<std::string> seeds() {
   std::vector<std::string> texts = texts_of(SOFTFINGER_SCENES, ".toml");
   texts.erase(std::remove_if(texts.begin(), texts.end(),

@@ -1,4 +1,4 @@
-// What is typed as an option: numbers, lists of them, KEY=VALUE.
+// Values typed as options: numbers, lists of them, KEY=VALUE.
 
 #include <cmath>
 #include <exception>

@@ -158,6 +158,8 @@ void Multibody::check(int j) const {
     refuse("axis", "", "a direction: three finite numbers, not all 0");
   if (!(joint.rotor_inertia >= 0) || !std::isfinite(joint.rotor_inertia))
     refuse("rotor inertia", "", "a finite number >= 0");
+  if (!(joint.dry_friction >= 0) || !std::isfinite(joint.dry_friction))
+    refuse("dry friction", "", "a finite number >= 0");
   if (!(joint.lower <= joint.start && joint.start <= joint.upper) || !std::isfinite(joint.start))
     refuse("limits", "", "lower <= start <= upper");
 }
@@ -370,7 +372,8 @@ bool Multibody::are_joined(int body, int other) const {
          holds(other, body) || in_loop;
 }
 
-/// From the pose of its parent and its joint: the pose of a child, and the joint's axes.
+/// Sets the pose of a child and its joint's axes from the pose of its parent and the joint's
+/// position.
 void Multibody::place_child(int j) {
   const JointDescription& joint = joints_[std::size_t(j)];
   const Eigen::Isometry3d parent = pose_or_world(joint.parent);
@@ -394,8 +397,8 @@ void Multibody::place_child(int j) {
   }
 }
 
-/// From the poses of its free bodies and the positions of its joints: the poses of all other bodies
-/// of a tree and the axes of all degrees of freedom.
+/// Sets the poses of all jointed bodies of a tree and the axes of all degrees of freedom, from the
+/// poses of its free bodies and the positions of its joints.
 void Multibody::place_children(const Tree& tree) {
   for (const int j : parts(tree).joints) place_child(j);
   for (const int root : parts(tree).roots) {
@@ -507,8 +510,8 @@ void Multibody::require_masses() const {
   }
 }
 
-/// How the motion of a degree of freedom about a resting reference changes.
-/// @param base  velocity of what carries its axis
+/// Rate of change of a degree of freedom's motion vector about a resting reference point.
+/// @param base  velocity of the body that carries its axis
 Multibody::SpatialVector Multibody::motion_rate(const Dof& dof, const Eigen::Vector3d& reference,
                                                 const SpatialVector& base) const {
   SpatialVector rate;

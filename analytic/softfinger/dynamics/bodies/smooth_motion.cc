@@ -75,8 +75,8 @@ bool SmoothMotion::iterate(const Residual& residual, const Eigen::VectorXd& gues
   return false;
 }
 
-/// For bodies with moments of inertia that differ by so much that a turn within the step changes
-/// the mass matrix by more than its least eigenvalue.
+/// Newton's method, for bodies with moments of inertia that differ by so much that a turn within
+/// the step changes the mass matrix by more than its least eigenvalue.
 bool SmoothMotion::iterate_by_newton(const Residual& residual, const Eigen::VectorXd& guess) {
   const double step = std::sqrt(std::numeric_limits<double>::epsilon()) *
                       std::max(guess.lpNorm<Eigen::Infinity>(), 1e-3);

@@ -55,14 +55,15 @@ class ContactOperator {
   const FrictionShape* shape(int contact) const { return shapes_[std::size_t(contact)]; }
   /// The point of K farthest along `direction`.
   Eigen::Vector3d boundary_point(int contact, const Eigen::Vector3d& direction) const;
-  /// How much slip a unit impulse along each axis makes; 1 along an axis that cannot move.
+  /// Slip that a unit impulse along each axis causes at the contact itself (diagonal of W); 1 along
+  /// an axis that cannot move.
   Eigen::Map<const Eigen::Vector3d> friction_metric(int contact) const {
     return Eigen::Map<const Eigen::Vector3d>(metrics_.data() + 3 * contact);
   }
 
-  /// From scaled to the problem's units, row by row:
-  /// impulse = impulse_scale * velocity_unit * scaled impulse,
-  /// velocity = velocity_unit / velocity_scale * scaled velocity.
+  /// Factors from scaled to the problem's units, row by row:
+  ///   impulse = impulse_scale * velocity_unit * scaled impulse,
+  ///   velocity = velocity_unit / velocity_scale * scaled velocity.
   const Eigen::VectorXd& impulse_scale() const { return impulse_scale_; }
   const Eigen::VectorXd& velocity_scale() const { return velocity_scale_; }
   double velocity_unit() const { return velocity_unit_; }

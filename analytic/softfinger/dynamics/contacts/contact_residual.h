@@ -5,9 +5,9 @@
 /// Internal: parts of the residuals that the solver shares with the public ones.
 namespace softfinger::internal {
 
-/// From this residual on a point is a solution.
+/// Residual below which a point counts as a solution.
 constexpr double kSolved = 1e-10;
-/// From this residual on nothing better is looked for: a few thousand roundings.
+/// Residual below which nothing better is looked for: a few thousand roundings.
 constexpr double kGood = 1e-12;
 /// The largest residual that rounding may explain in a solution, and in a point that a warm start
 /// keeps because a cold one would find none better.
@@ -17,7 +17,7 @@ inline bool is_exact(const ContactLcp& problem) {
   return problem.friction_rule != FrictionRule::facets;
 }
 
-/// That many roundings of W r a residual may have.
+/// Number of roundings of W r that a residual may have.
 constexpr double kRoundings = 4;
 
 /// Eigen's allFinite, several numbers at a time.
@@ -47,8 +47,9 @@ double residual_of(const ContactLcp& problem, const Eigen::Matrix3Xd& vertices,
 /// `exact_contact_residual` of a solution whose velocities are known to be those of `add_response`.
 double exact_residual_of(const ContactLcp& problem, const ContactSolution& solution);
 
-/// How much of the residual the rounding of W r alone explains. Where bodies are wedged by impulses
-/// a million times larger than their motion needs, no other impulses would do better.
+/// Part of the residual that rounding of W r alone explains, at most `most`. Where bodies are
+/// wedged by impulses a million times larger than their motion needs, no other impulses would do
+/// better.
 double rounding_of(const ContactLcp& problem, const ContactSolution& solution,
                    double most = kMostRounding);
 

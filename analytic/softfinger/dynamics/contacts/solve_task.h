@@ -14,12 +14,12 @@ struct Task {
   const ContactLcp& problem;
   ContactSolution& solution;
   LcpResult& result;
-  /// Rounding up to this much explains the residual of a good point. A warm start is content with
-  /// more, because the last solution had it, too. A cold start finds better points than the
-  /// rounding of one of them tells.
+  /// Largest rounding of W r that excuses the residual of a good point. A warm start allows more
+  /// than a cold one, because the last solution had it, too; a cold start may find points better
+  /// than the rounding of one of them suggests.
   double most_rounding = kSolved;
 
-  /// Whether the solution at hand is as good as its impulses can be told.
+  /// Whether the solution at hand is as good as the rounding of its impulses allows.
   bool is_good(double residual) const {
     return residual <= kGood ||
            (residual <= most_rounding && residual <= rounding_of(problem, solution, most_rounding));

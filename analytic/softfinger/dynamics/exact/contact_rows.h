@@ -25,7 +25,7 @@ class ContactRows {
   void append(int rows, int columns, const Column& column);
 
   int contacts() const { return int(rows_.size()); }
-  /// Which columns of the contact's rows L_i are kept, in rising order.
+  /// Indices of the columns that are stored of the contact's rows L_i, ascending.
   const int* columns(int contact) const { return columns_.data() + first_[std::size_t(contact)]; }
   int column_count(int contact) const {
     return int(first_[std::size_t(contact) + 1] - first_[std::size_t(contact)]);
@@ -42,7 +42,8 @@ class ContactRows {
   /// matrix += L_i^T A L_i
   /// @param own  A, column by column, as large as the contact has rows
   void add_product(int contact, const double* own, Eigen::Ref<Eigen::MatrixXd> matrix) const;
-  /// The same of a symmetric A, in the matrix' lower half; what is above it is of no use then.
+  /// Adds the same product for a symmetric A to the lower half of the matrix; the entries above the
+  /// diagonal are then meaningless.
   void add_lower_product(int contact, const double* own, Eigen::Ref<Eigen::MatrixXd> matrix) const;
 
  private:

@@ -11,7 +11,7 @@
 namespace softfinger::internal {
 namespace {
 
-/// From that many unknowns on the step may be solved in fewer ones.
+/// Number of unknowns from which on the step may be solved for the bodies' velocities instead.
 constexpr int kFewUnknowns = 24;
 /// Common velocities that cost as much as one unknown when no rows are exchanged.
 constexpr int kSparser = 2;

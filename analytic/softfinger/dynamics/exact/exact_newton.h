@@ -54,7 +54,7 @@ class ExactNewton {
   /// `solve`: to round-off, or below kGood where nothing slides, because such a problem is linear.
   bool correct(const ContactOperator& contacts, Eigen::VectorXd& impulse);
 
-  /// Before the first `solve` of a problem.
+  /// To be called before the first `solve` of a problem.
   void begin_problem() { factor_.forget(); }
 
  private:
@@ -72,7 +72,7 @@ class ExactNewton {
     auto hessian() const { return boundary_and_hessian.rightCols<3>(); }  ///< of h at nu
   };
 
-  /// How the matrix of the last step was decomposed.
+  /// Form in which the matrix of the last Newton step was factorised.
   enum class Decomposition { none, of_impulses, of_velocities, of_velocities_exchanged };
 
   struct Pass {

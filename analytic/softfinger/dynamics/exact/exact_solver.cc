@@ -15,7 +15,7 @@ namespace {
 /// hundreds.
 constexpr int kUsualPatience = 20, kLongPatience = 300;
 constexpr ImpulseSearch::Effort kUsual{2, kUsualPatience};
-/// It has all its passes after the last start.
+/// Effort after the last start, when Newton's method has all its passes.
 constexpr ImpulseSearch::Effort kPatient{ExactNewton::kMostPasses, kLongPatience};
 /// A warm start takes one pass, and few proximal points: a cold start solves the others.
 constexpr ImpulseSearch::Effort kFromNear{1, kUsualPatience, ImpulseSearch::kEasedStarts,
@@ -44,8 +44,8 @@ constexpr int kMostIterationsOfDrawn = 1000, kMostStarts = kGivenStarts + 200;
 /// square of their number more.
 constexpr int kMostIterationsInAll = 20000, kMostIterationsOfShapes = 6000;
 constexpr double kMeasuredContacts = 100;
-/// After this part of the iterations a point is a solution as well if its residual is the rounding
-/// of W r. Before, other starts often find one with smaller impulses.
+/// Part of the iterations after which a point also counts as a solution if its residual is the
+/// rounding of W r. Before, other starts often find one with smaller impulses.
 constexpr double kPartForUnrounded = 1;
 
 /// The last start is the solution with linearised friction.

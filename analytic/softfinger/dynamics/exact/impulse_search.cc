@@ -68,8 +68,8 @@ void ImpulseSearch::ease(const Task& task, Effort effort) {
   }
 }
 
-/// Goes to the least impulses with the velocities of wedged_. Which contacts are still and which
-/// slide cannot be told for certain before: there are several. False if this one does not exist.
+/// Goes to the least impulses with the velocities of wedged_. Which contacts stick and which slide
+/// is uncertain, so that there are several candidates. False if this one does not exist.
 bool ImpulseSearch::go_to_eased(const Task& task, int number) {
   impulse_.head(size()) = wedged_.head(size());
   contacts_.find_velocity(impulse_, velocity_);

@@ -16,8 +16,8 @@ class ImpulseSearch {
 
   void begin_problem() { newton_.begin_problem(); }
 
-  /// How much of Newton's method a polish takes, see ExactNewton::solve, how often `approach`
-  /// eases, and where from it starts.
+  /// Limits of a search: passes and patience of `ExactNewton::solve`, the number of restarts by
+  /// `approach` from the least impulses of a wedged state, and the kind of start.
   static constexpr int kEasedStarts = 4, kMostIterationsOfEased = 400;
   struct Effort {
     int passes, patience;
@@ -30,7 +30,7 @@ class ImpulseSearch {
   /// The best point so far.
   BestPoint& best() { return best_; }
 
-  /// From normal impulses `normal(contact)` alone, by a few of Gauss-Seidel's sweeps.
+  /// Starts from the normal impulses `normal(contact)` alone, by a few of Gauss-Seidel's sweeps.
   template <class Normal>
   void start_from(const Normal& normal, int sweeps);
   /// Solves from `impulse`, which may be far from the solution: proximal points first, then
@@ -42,7 +42,7 @@ class ImpulseSearch {
     bool is_good = false;
     bool is_still = false;  ///< the least impulses: there are no others to look for
   };
-  /// From `impulse` by the last least impulses or the matrix of Newton's last step.
+  /// Corrects `impulse` by the last least impulses or by the matrix of Newton's last step.
   Corrected correct(const Task& task);
   void forget_still() { least_.forget(); }
 

@@ -10,7 +10,7 @@ namespace softfinger::internal {
 namespace {
 
 constexpr int kPart = kFour;
-/// That many columns at once share what is read for them.
+/// Number of columns that are updated together, to share what is read for them.
 constexpr int kColumns = 2;
 
 /// Between columns: room for a part that begins in the last row, and an odd number of parts, so

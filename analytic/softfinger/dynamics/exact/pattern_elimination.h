@@ -16,7 +16,7 @@ class PatternElimination {
  public:
   explicit PatternElimination(int capacity);
 
-  /// Before the first matrix of this pattern.
+  /// Sets the pattern; to be called before its first matrix.
   void set(const EliminationPattern& pattern);
 
   using Matrix = Eigen::Ref<Eigen::MatrixXd>;

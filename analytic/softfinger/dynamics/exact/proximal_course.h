@@ -8,10 +8,10 @@
 /// Internal: when proximal points go on, and how.
 namespace softfinger::internal {
 
-/// The course of proximal points from one start, see ExactNewton::approach: how much the contacts
-/// give way, how far the next point is looked for ahead, and when to end. |F| without unit.
+/// The course of proximal points from one start, see ExactNewton::approach: the contacts'
+/// compliance, how far ahead the next point is looked for, and when to end. |F| without unit.
 struct ProximalCourse {
-  /// After one of Newton's steps towards the next point.
+  /// State after one of Newton's steps towards the next point.
   enum class Progress { going, reached, failed };
 
   double compliance = 1;  ///< c
@@ -21,11 +21,11 @@ struct ProximalCourse {
   double halved = 0;
   int iterations = 0, last_halved = 0, steps = 0;
 
-  /// It starts anywhere, or at the impulses of a problem much like this one.
+  /// A start may lie anywhere, or at the impulses of a problem much like this one.
   enum class Start { far, near };
 
-  /// At the start, whose |F| is `size`. The nearer it is to the solution, the less the contacts
-  /// have to give way: in steady motion a third of the iterations are left by that.
+  /// Begins at a start whose |F| is `size`. The nearer it is to the solution, the less compliance
+  /// the contacts need: in steady motion this leaves a third of the iterations.
   void begin(double size, Start start = Start::far) {
     constexpr double kOfRoot = 0.1, kLeast = 1e-5;
     *this = {};
@@ -69,8 +69,8 @@ struct ProximalCourse {
     compliance = std::max(kStiffer * compliance, kLeast);
   }
 
-  /// It is not: the next one is looked for from the same r0, or from the last point if r0 was ahead
-  /// of it.
+  /// Prepares another attempt where the next point was not reached: from the same r0, or from the
+  /// last point if r0 was ahead of it.
   void fail() {
     constexpr double kSofter = 10, kMost = 1e5;
     if (stride > 1)
@@ -79,7 +79,8 @@ struct ProximalCourse {
       compliance = std::min(kSofter * compliance, kMost);
   }
 
-  /// At the next point. Whether it is the best one.
+  /// Records the arrival at the next point, whose |F| is `size`. Returns whether it is the best
+  /// one.
   bool arrive(double size) {
     residual = size;
     if (!(residual < best)) return false;

@@ -18,7 +18,8 @@ struct ContactPair {
   int vertex;  ///< j, of Kind::vertex
 };
 
-/// With nc contacts of u vertices each: P_i is number i, lambda_i nc + i, beta_ij 2 nc + u i + j.
+/// Numbers of the complementary pairs. With nc contacts of u vertices each, P_i is number i,
+/// lambda_i nc + i, beta_ij 2 nc + u i + j.
 class ContactPairs {
  public:
   ContactPairs(int contact_capacity, int vertex_capacity)

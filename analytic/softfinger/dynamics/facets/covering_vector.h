@@ -37,7 +37,7 @@ class CoveringVector {
   void lead_towards(const int* basic, int k, const ContactOperator& contacts,
                     const FrictionVertices& vertices, const ContactPairs& pairs);
 
-  /// From now on d = 0 in these rows.
+  /// Sets d = 0 in these rows.
   void cover_all_but(const int* rows, int k);
 
   double normal(int contact) const { return normal_[contact]; }

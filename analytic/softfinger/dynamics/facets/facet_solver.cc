@@ -20,9 +20,9 @@ namespace {
 
 /// The largest violation by the last solution, over the natural size, for which no vertex is added.
 constexpr double kToleratedViolation = 1e-13;
-/// After that many attempts any solution will do, good or not.
+/// Number of attempts after which any solution will do, good or not.
 constexpr int kAttemptsForGood = 4;
-/// After six rounds of attempts W's diagonal is changed.
+/// Number of the first attempt with a changed diagonal of W, after six rounds of attempts.
 constexpr int kFirstProximal = 24;
 
 /// A path has at most so many basic z: P, lambda and four vertices per contact, z0, and two more as
@@ -239,8 +239,9 @@ PathEnd FacetSolver::lead_to_last_basis(const PathOptions& options) {
   return end;
 }
 
-/// After a ray: whether it, or that of the same problem without friction, proves that there is no
-/// solution. Without friction infeasible means infeasible with any friction.
+/// Returns whether the ray in which a path ended, or that of the problem without friction, proves
+/// that there is no solution. A problem infeasible without friction is infeasible with any
+/// friction.
 bool FacetSolver::is_infeasible(const Task& task) {
   const RayProof proof = check_ray(system_, task.problem, task.solution.ray);
   if (proof == RayProof::none) return false;

@@ -33,8 +33,8 @@ class FacetSolver {
   bool proves_infeasible(const Task& task);
 
  private:
-  /// How one of the attempts at a problem differs from the others. Each also has a covering vector
-  /// of its own, by its number.
+  /// Settings in which one attempt at a problem differs from the others. Each attempt also has its
+  /// own covering vector, chosen by its number.
   struct Attempt;
 
   static const Attempt& attempt(int number);

@@ -98,9 +98,9 @@ bool FrictionPolytope::find_facet(const Eigen::Vector3d& direction, Facet& facet
   return true;
 }
 
-/// From a cone of vertices around `ray` to that of the facet that the ray meets. This is a linear
-/// programme, solved by the simplex method: write `ray` as a sum of vertices with weights >= 0
-/// whose sum is least.
+/// Moves from a cone of vertices around `ray` to that of the facet that the ray meets. This is a
+/// linear programme, solved by the simplex method: write `ray` as a sum of vertices with weights >=
+/// 0 whose sum is least.
 bool FrictionPolytope::search(Cone& cone, const Eigen::Vector3d& ray) {
   constexpr int kMostTurns = 32;
   Eigen::Matrix3d corners;

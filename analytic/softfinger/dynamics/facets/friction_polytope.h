@@ -20,7 +20,7 @@ class FrictionPolytope {
   double radius() const { return radius_; }  ///< length of the longest vertex
   Eigen::Vector3d vertex(int index) const { return vertices_.row(index); }
 
-  /// How far the farthest vertex lies along `direction`; -infinity where there are none.
+  /// Largest extent of the vertices along `direction`; -infinity without vertices.
   double farthest(const Eigen::Vector3d& direction) const;
   /// Whether any vertex lies farther along `direction` than `most`: the farthest one, else -1.
   int beyond(const Eigen::Vector3d& direction, double most) {

@@ -25,8 +25,8 @@ struct PathOptions {
   /// small, so that no single value serves all problems.
   double smallest_pivot = 1e-9;
   int most_pivots = 1000;
-  /// After that many pivots the values are computed again from the basis, and corrected. At the
-  /// pivots between, they are only advanced along the direction.
+  /// Number of pivots after which the values are computed again from the basis, and corrected. At
+  /// the pivots between, they are only advanced along the direction.
   int refresh_after = 1;
 };
 
@@ -86,18 +86,20 @@ class LemkePath {
         second_(largest_basis),
         matrix_(largest_basis, largest_basis) {}
 
-  /// From z = 0. With `resume`: from the basis in which the last path was solved, after the problem
-  /// has got more rows. z0 then covers only the new rows that are violated, so that all basic
-  /// variables keep their values. A resumed path may end in a ray that proves nothing.
+  /// Follows the path from z = 0. With `resume`, follows it from the basis in which the last path
+  /// was solved, after the problem has got more rows. z0 then covers only the new rows that are
+  /// violated, so that all basic variables keep their values. A resumed path may end in a ray that
+  /// proves nothing.
   PathEnd follow(System& system, const PathOptions& options, bool resume = false) {
     begin(system);
     const int row = start(resume);
     return row < 0 ? PathEnd::solved : go_on(options, row, true);
   }
 
-  /// From any complementary basis, given by its z. Some of these z and of the w may be negative: z0
-  /// shifts those z by `shift` each and covers those w, so that the path starts from values >= 0.
-  /// It may end in a ray that proves nothing. `numerical` when the basis is singular.
+  /// Follows the path from any complementary basis, given by its z. Some of these z and of the w
+  /// may be negative: z0 shifts those z by `shift` each and covers those w, so that the path starts
+  /// from values >= 0. It may end in a ray that proves nothing. `numerical` when the basis is
+  /// singular.
   /// `System` then also has
   /// - double cover_entry(int i): d_i - (M shift)_i, which `row` has as entry n
   /// - void set_shift(const int* columns, const double* shift, int k): from now on the column of z0
@@ -151,7 +153,8 @@ class LemkePath {
   int basis_column(int p) const { return columns_[std::size_t(p)]; }
   double basis_value(int p) const { return z_[p]; }
 
-  /// After a ray: the direction's component of that basic z, and which z enters (-1: a w does).
+  /// Component of the ray's direction along that basic z, and the z that enters (-1: a w does).
+  /// Valid after a path that ended in a ray.
   double ray_value(int p) const { return dz_[p]; }
   int ray_entering() const { return entering_is_z_ ? entering_ : -1; }
 
@@ -197,7 +200,7 @@ class LemkePath {
           blocking.column = p;
         }
       system.choose(is_active, least, blocking);
-      // Where z0 could leave as well as others, it leaves: then the problem is solved.
+      // In a tie z0 leaves: then the problem is solved.
       const int z0 = column_position_[std::size_t(pairs_)];
       if (dz_[z0] < -least && z_[z0] <= -dz_[z0] * blocking.theta) {
         blocking.row = -1;

@@ -97,10 +97,12 @@ class ConsistentContactSolver {
 
   ConsistentContactSolver(int largest_contacts, int largest_vertices);
 
-  /// As ContactLcpSolver::solve. @param problem  its eccentricity_m is the first guess, and
-  /// afterwards what the solution was found with; so is its friction_coefficient where a law has
-  /// it. @param laws  per contact; null: e_n stays.
-  /// @param time_step_s  > 0. @throws InputError
+  /// Solves the contact problem as ContactLcpSolver::solve does, with e_n by the laws.
+  /// @param problem  its eccentricity_m, and its friction_coefficient where a law has one, are the
+  ///   first guess, and afterwards those of the solution
+  /// @param laws  per contact; null: e_n stays
+  /// @param time_step_s  > 0
+  /// @throws InputError
   ConsistentResult solve(ContactLcp& problem, const std::vector<const EccentricityLaw*>& laws,
                          double time_step_s, ContactSolution& solution, const Options& options,
                          const std::vector<int>* continued = nullptr);

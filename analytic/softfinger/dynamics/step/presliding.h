@@ -8,17 +8,17 @@
 
 namespace softfinger {
 
-/// How far a soft contact gives way before it slides, and what it remembers of that: elements in
-/// parallel, each a spring in series with a slider (Iwan, J. Appl. Mech. 34 (1967)). Their shares
-/// of stiffness and limit are those of which the curve of a shift and the curve of a twist are
-/// made; under to and fro they follow Masing's rules by themselves, in any mixture of forces and
-/// torque.
+/// Elastic displacement of a soft contact before it slides, and its memory of past loads: elements
+/// in parallel, each a spring in series with a slider (Iwan, J. Appl. Mech. 34 (1967)). Their
+/// shares of stiffness and limit reproduce the loading curves of a shift and of a twist; under
+/// reversed loads they follow Masing's rules without further provision, in any mixture of forces
+/// and torque.
 ///
 /// Each element holds a wrench q = (f_x, f_y, tau) within |f|²/F_i² + tau²/T_i² <= 1. A
-/// displacement d of body b against body a takes K_i d from it; what is too much is scaled back
-/// (radial return). Scaling back only takes energy out of the springs. So does a load that falls:
-/// springs that become softer keep their strain, and a part that leaves the contact gives its force
-/// back. A part that joins the contact joins unstrained.
+/// displacement d of body b against body a changes q by -K_i d; a q outside the limit is scaled
+/// back to it (radial return), which only takes energy out of the springs. So does a falling load:
+/// springs that soften keep their strain, and a part that leaves the contact loses its force. A
+/// part that joins the contact joins unstrained.
 class PreslidingElements {
  public:
   /// The curves are replaced by 16 chords, within 0.6 % of the limit.
@@ -27,7 +27,7 @@ class PreslidingElements {
   /// All elements have this stiffness before they slide. It is a little less than the stuck one,
   /// which is that of a tangent, not a chord.
   Eigen::Vector3d stiffness() const;
-  /// On body b, axes of the contact: f_x, f_y, tau.
+  /// Wrench on body b, axes of the contact: f_x, f_y, tau.
   Eigen::Vector3d wrench() const;
   /// Energy in the springs, J.
   double energy_J() const;

@@ -243,7 +243,8 @@ TimeStepper::Island& TimeStepper::island_of(const std::vector<Touching>& rows) {
   return islands_[std::size_t(place_of_row_[std::size_t(rows.front().row)].island)];
 }
 
-/// Room for G where it is of use, and W has one: closed loops take from it, what gives way adds.
+/// Reserves room for the root G of W where it is of use and exists: closed loops subtract from W,
+/// and elastic contacts add to it.
 void TimeStepper::begin_roots() {
   constexpr int kNone = -1;
   root_columns_.assign(islands_.size(), options_.friction_rule == FrictionRule::facets ? kNone : 0);
@@ -294,7 +295,7 @@ void TimeStepper::add_to_root(const std::vector<Touching>& rows, const Eigen::Ma
   }
 }
 
-/// From tangential velocities to those of sliding.
+/// Replaces the tangential velocities of elastic contacts by those of sliding.
 void TimeStepper::add_compliance() {
   const double dt = options_.time_step_s;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {

@@ -27,10 +27,10 @@ struct Contact {
   const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
   static constexpr long kNoId = -1;
   long id = kNoId;  ///< the same from step to step for as long as the contact lasts
-  /// How the contact gives way elastically before it slides, along the axes and about the normal
-  /// (m/N, m/N, rad/(N m)): the friction wrench is `elastic_wrench`, that at the start of the step
-  /// on body `b`, less the elastic displacement in the step over the compliance, at its end. Zero:
-  /// it gives way by sliding only. See presliding.h.
+  /// Elastic compliance of the contact before it slides, along the axes and about the normal (m/N,
+  /// m/N, rad/(N m)). The friction wrench on body `b` at the end of the step is `elastic_wrench`,
+  /// its value at the start, minus the step's elastic displacement over the compliance. Zero: the
+  /// contact is rigid until it slides. See presliding.h.
   Eigen::Vector3d compliance = Eigen::Vector3d::Zero();
   Eigen::Vector3d elastic_wrench = Eigen::Vector3d::Zero();
 };
@@ -107,9 +107,10 @@ struct StepResult {
 /// of the same problem, too: an effort of at most that size which holds the joint where it can, and
 /// else opposes its velocity.
 ///
-/// If a contact gives way elastically, its sliding velocity takes the place of its tangential
-/// velocity J v': J v' + C (r/dt - f)/dt, C the compliance and f the wrench at the start. Implicit:
-/// no stiffness makes a step unstable.
+/// If a contact is elastic, the step uses its sliding velocity in place of its tangential velocity
+/// J v':
+///   J v' + C (r/dt - f)/dt,
+/// C the compliance and f the wrench at the start. Implicit: no stiffness makes a step unstable.
 ///
 /// Which motors are at their limits is found by trial: those that contradict the new velocities
 /// change, at the end one by one, which terminates (Murty's principal pivoting on a positive
@@ -132,7 +133,7 @@ class TimeStepper {
   /// @throws InputError for a time step that is not positive.
   TimeStepper(Multibody bodies, std::vector<Motor> motors, Options options);
 
-  /// One step. A step without solution moves nothing: bodies and time stay as they were.
+  /// Makes one step. A step without solution moves nothing: bodies and time stay as they were.
   StepResult step(ContactFinder& finder);
 
   Multibody& bodies() { return bodies_; }

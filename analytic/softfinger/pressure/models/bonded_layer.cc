@@ -76,7 +76,10 @@ class BondedLayer final : public PressureModel {
         {1e-12, 1e-12, 1e-4,
          "the pressure is given the load, the torque arm and the peak in closed form; where the "
          "thickness no longer matters, the table's interpolation error is left, which is not "
-         "monotone"}};
+         "monotone"},
+        LayerConstants::all,
+        /*is_empirical=*/false,
+        /*is_calibrated=*/true};
     return card;
   }
 

@@ -37,7 +37,10 @@ class FingertipLayer final : public PressureModel {
         true,
         {1e-12, 1e-12, 0.02,
          "a fit that follows the finite elements within 2 %: by so much it may depart from what "
-         "theory says of thinner, stiffer or blunter contacts; it grows with the load everywhere"}};
+         "theory says of thinner, stiffer or blunter contacts; it grows with the load everywhere"},
+        LayerConstants::all,
+        /*is_empirical=*/false,
+        /*is_calibrated=*/true};
     return card;
   }
 

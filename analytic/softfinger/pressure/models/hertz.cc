@@ -28,7 +28,13 @@ class Hertz final : public PressureModel {
         "(2007), eq. 10",
         "contact small against the layer: sqrt(ab)/h below 0.88 (nu = 0) to 0.65 (nu = 1/2); "
         "a/R', b/R'' and d/h below 0.3",
-        "about 400 ns"};
+        "about 400 ns",
+        /*hot_path=*/true,
+        /*finite_strain=*/false,
+        NumericalAccuracy{},
+        LayerConstants::plane_strain_modulus,
+        /*is_empirical=*/false,
+        /*is_calibrated=*/true};
     return card;
   }
 

@@ -141,8 +141,8 @@ class LayerFft final : public PressureModel {
       prediction.validity.add(strain_check(contact, problem));
       return finite_or_no_answer(prediction, problem);
     } catch (...) {
-      // What is left after the checks above: a layer far thinner than a cell, numbers that
-      // overflow, no memory.
+      // Failures that the checks above cannot foresee: a layer far thinner than a cell, numbers
+      // that overflow, no memory.
       return no_answer({"solved", 0, 1, false,
                         "no answer: the grid's equations could not be solved; the layer may be so "
                         "thin against the contact that no grid resolves it"});

@@ -59,7 +59,13 @@ class PowerLawContact final : public PressureModel {
         "in robotics, with experimental results, Int. J. Robotics Research 18 (1999)",
         "round contacts (R'/R'' below 2.5) within the range of measured loads; gamma up to 1/3; "
         "a/R', b/R'' below 0.3",
-        "about 300 ns"};
+        "about 300 ns",
+        /*hot_path=*/true,
+        /*finite_strain=*/false,
+        NumericalAccuracy{},
+        LayerConstants::none,
+        /*is_empirical=*/true,
+        /*is_calibrated=*/true};
     return card;
   }
 

@@ -88,7 +88,7 @@ class ThinIncompressible final : public PressureModel {
     prediction.torque_arm_exact_m = torque_arm_exact_m(prediction.a_m, prediction.b_m, 2);
     prediction.torque_arm_paper_m = torque_arm_paper_m(prediction.a_m, prediction.b_m, 2);
     prediction.validity.add(thin_for_flow_check(prediction, std::max(h, object.thickness_m)));
-    // Both over h: columns 1/M, flow (h²/3)/G.
+    // Compliances over h: of columns 1/M, of flow (h²/3)/G.
     double columns_per_Pa = 1 / layer.oedometric_modulus_Pa();
     if (two_layers) columns_per_Pa += object.thickness_m / h / object.oedometric_modulus_Pa();
     prediction.validity.add(

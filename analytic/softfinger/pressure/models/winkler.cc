@@ -38,7 +38,13 @@ class Winkler final : public PressureModel {
         "Ciocarlie, Lackner, Allen (2007), eq. 9, 11-13",
         "contact large against the layer: sqrt(ab)/h above 2.7 (nu = 0.3), 10 (0.45), 52 (0.49), "
         "never at nu = 1/2; a/R', b/R'' and d/h below 0.3",
-        "about 100 ns"};
+        "about 100 ns",
+        /*hot_path=*/true,
+        /*finite_strain=*/false,
+        NumericalAccuracy{},
+        LayerConstants::foundation_modulus,
+        /*is_empirical=*/false,
+        /*is_calibrated=*/true};
     return card;
   }
 

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "comparisons/extremes/extreme_problem.h"
 #include "softfinger/pressure/pressure_model.h"
+#include "tests/extremes/extreme_problem.h"
 
 /// Whether a model's numbers jump where it switches between series, asymptotes and tables.
-namespace softfinger::extremes {
+namespace softfinger::testing {
 
 constexpr int kNumbers = 5;
 using Numbers = std::array<double, kNumbers>;  // NaN without an answer
@@ -136,4 +136,4 @@ inline std::vector<Path> draw_paths(ExtremeProblems& problems, int line) {
   return paths;
 }
 
-}  // namespace softfinger::extremes
+}  // namespace softfinger::testing
