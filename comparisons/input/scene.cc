@@ -82,6 +82,7 @@ class SceneReader {
   void read_mass(const toml::table& table, const std::string& where,
                  const std::vector<Shape>& shapes, BodyDescription& body) const;
   void read_joints();
+  void read_leaders();
   void read_loops();
   void read_motors();
   void read_forces();
@@ -525,7 +526,7 @@ void SceneReader::read_joints() {
     reader_.check_keys(*table, "[[joint]]",
                        {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg",
                         "start_mm", "limits_deg", "limits_mm", "rotor_inertia_kg_mm2",
-                        "rotor_mass_g", "dry_friction_Nm", "dry_friction_N"});
+                        "rotor_mass_g", "dry_friction_Nm", "dry_friction_N", "follows", "ratio"});
     JointDescription joint;
     const toml::node& name = reader_.required(*table, "[[joint]]", "name");
     joint.name = reader_.name(name, "name");
@@ -576,8 +577,27 @@ void SceneReader::read_joints() {
       if (!(joint.dry_friction >= 0 && joint.dry_friction <= kMostLoad))
         reader_.refuse(*friction, friction_key, fmt::format("0 to {:g}", kMostLoad));
     }
+    if (const toml::node* ratio = table->get("ratio")) {
+      if (!table->contains("follows")) reader_.say(*ratio, "ratio goes with follows");
+      joint.ratio = reader_.number(*ratio, "ratio", "a finite number");
+    }
     scene_.joints.push_back(joint);
     joint_tables_.push_back(table);
+  }
+}
+
+/// A joint may follow one that comes later in the file.
+void SceneReader::read_leaders() {
+  std::vector<std::string> names;
+  for (const JointDescription& joint : scene_.joints) names.push_back(joint.name);
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    const toml::node* follows = joint_tables_[j]->get("follows");
+    if (!follows) continue;
+    const std::string typed = reader_.name(*follows, "follows");
+    const auto found = std::find(names.begin(), names.end(), typed);
+    if (found == names.end())
+      reader_.refuse(*follows, "follows", "the name of a joint" + meant(typed, names));
+    scene_.joints[j].leader = int(found - names.begin());
   }
 }
 
@@ -802,8 +822,9 @@ ContactRule SceneReader::read_rule(const toml::table& table) const {
   return rule;
 }
 
-/// Bodies that a joint connects, also by way of bodies without shapes, overlap there in nearly
-/// every file: they do not collide unless a [[contact]] names both.
+/// Bodies that a joint connects never collide. Those that hang on each other by way of bodies
+/// without shapes, as on the axes of one joint, overlap as often: they do not collide unless a
+/// [[contact]] names both.
 void SceneReader::separate_joined_bodies() {
   const std::size_t count = scene_.bodies.size();
   scene_.rules.push_back({});
@@ -972,6 +993,7 @@ void SceneReader::read() {
     reader_.refuse(*root_["simulation"].as_table()->get("duration_s"), "duration_s",
                    fmt::format("steps times bodies of at most {:.0f}", kMostRecordedPoses));
   read_joints();
+  read_leaders();
   read_loops();
   read_motors();
   read_forces();

@@ -368,6 +368,7 @@ class Importer {
     if (m_->dof_armature[dof] > 0)
       joints_ += fmt::format("{} = {}\n", turns ? "rotor_inertia_kg_mm2" : "rotor_mass_g",
                              (turns ? 1e6 : 1e3) * m_->dof_armature[dof]);
+    add_leader(j);
     if (m_->dof_frictionloss[dof] > 0)
       joints_ +=
           fmt::format("dry_friction_{} = {}\n", turns ? "Nm" : "N", m_->dof_frictionloss[dof]);
@@ -433,14 +434,44 @@ class Importer {
     return file;
   }
 
+  /// Whether an equality makes a joint move by a constant ratio with another one.
+  bool is_follower(int e) const {
+    if (!m_->eq_active[e] || m_->eq_type[e] != mjEQ_JOINT ||
+        is_off(mjDSBL_EQUALITY | mjDSBL_CONSTRAINT))
+      return false;
+    const int joint = m_->eq_obj1id[e], leader = m_->eq_obj2id[e];
+    const auto is_simple = [this](int j) {
+      return j >= 0 && (m_->jnt_type[j] == mjJNT_HINGE || m_->jnt_type[j] == mjJNT_SLIDE);
+    };
+    const double* polynomial = m_->eq_data + mjNEQDATA * e;
+    for (int other = 0; other < e; ++other)
+      if (m_->eq_obj1id[other] == joint && is_follower(other)) return false;  // of that one only
+    return is_simple(joint) && is_simple(leader) && joint != leader &&
+           std::all_of(polynomial + 2, polynomial + 5, [](double higher) { return higher == 0; });
+  }
+
+  void add_leader(int j) {
+    for (int e = 0; e < m_->neq; ++e) {
+      if (!is_follower(e) || m_->eq_obj1id[e] != j) continue;
+      const double ratio = m_->eq_data[mjNEQDATA * e + 1];
+      joints_ +=
+          fmt::format("follows = {}\nratio = {}\n", in_quotes(joint_name(m_->eq_obj2id[e])), ratio);
+      note("joint {} follows joint {} from where both start, exactly", in_quotes(joint_name(j)),
+           in_quotes(joint_name(m_->eq_obj2id[e])));
+      return;
+    }
+  }
+
   void add_loops() {
     if (is_off(mjDSBL_EQUALITY | mjDSBL_CONSTRAINT)) return;
     for (int e = 0; e < m_->neq; ++e) {
       const std::string own = name(mjOBJ_EQUALITY, e, "equality");
       if (!m_->eq_active[e]) continue;
       const int type = m_->eq_type[e];
+      if (type == mjEQ_JOINT && is_follower(e)) continue;
       if (type != mjEQ_CONNECT && type != mjEQ_WELD) {
-        note("the equality {} is left out: only connect and weld are known", in_quotes(own));
+        note("the equality {} is left out: only connect, weld and linear ones of joints are known",
+             in_quotes(own));
         continue;
       }
       const int a = m_->eq_obj1id[e], b = m_->eq_obj2id[e];

@@ -46,7 +46,6 @@ class UrdfCheck {
     for (const XMLElement* joint = root.FirstChildElement("joint"); joint;
          joint = joint->NextSiblingElement("joint"))
       look_at_joint(*joint);
-    note_joints(root);
     note_the_rest(root);
     strip(root);
     tinyxml2::XMLPrinter printer(nullptr, true);
@@ -176,8 +175,8 @@ class UrdfCheck {
   }
 
   void check_type(const XMLElement& joint, const std::string& where) const {
-    static const std::vector<std::string> known = {"revolute", "continuous", "prismatic",
-                                                   "fixed",    "floating",   "planar"};
+    static const std::vector<std::string> known = {"revolute", "continuous", "prismatic", "fixed",
+                                                   "floating", "planar",     "spherical"};
     const std::string type = attribute(joint, "type");
     if (std::find(known.begin(), known.end(), type) == known.end())
       throw InputError(where, "type", in_quotes(type), fmt::format("{}", fmt::join(known, ", ")));
@@ -197,18 +196,6 @@ class UrdfCheck {
     if (!(lower <= upper))
       throw InputError(where, "limits", fmt::format("{} to {}", lower, upper), "lower <= upper");
     if (lower == upper) note("joint {} has no limits: the file's leave it no room", name);
-  }
-
-  void note_joints(const XMLElement& root) {
-    for (const XMLElement* joint = root.FirstChildElement("joint"); joint;
-         joint = joint->NextSiblingElement("joint")) {
-      const std::string name = in_quotes(attribute(*joint, "name"));
-      if (const XMLElement* mimic = joint->FirstChildElement("mimic"))
-        note(
-            "joint {} moves by itself, not as joint {}: <mimic> is left out, a [[motor]] of its "
-            "own can move it",
-            name, in_quotes(attribute(*mimic, "joint")));
-    }
   }
 
   void note_the_rest(const XMLElement& root) {
@@ -251,11 +238,16 @@ class UrdfCheck {
          joint = joint->NextSiblingElement("joint"))
       keep_only(*joint, {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic"});
     for (XMLElement* joint = root.FirstChildElement("joint"); joint;
-         joint = joint->NextSiblingElement("joint"))
+         joint = joint->NextSiblingElement("joint")) {
+      if (attribute(*joint, "type") == "spherical") {
+        urdf_.ball_joints.insert(attribute(*joint, "name"));
+        joint->SetAttribute("type", "floating");
+      }
       if (XMLElement* limit = joint->FirstChildElement("limit"))
         // urdfdom wants them; without them there are none.
         for (const char* name : {"lower", "upper", "effort", "velocity"})
           if (!limit->Attribute(name)) limit->SetAttribute(name, "0");
+    }
   }
 
   void replace_capsule(XMLElement& shape, const std::string& link, int number) {

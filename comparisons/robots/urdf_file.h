@@ -19,6 +19,7 @@ struct UrdfFile {
   /// cylinder, since urdfdom does not know it.
   static constexpr int kVisual = 1 << 20;
   std::set<std::pair<std::string, int>> capsules;
+  std::set<std::string> ball_joints;  ///< those that Bullet calls spherical; floating in the text
   std::map<std::string, int> line_of_mesh;  ///< by the name of its file
   /// What the simulators' own elements say of links: lateral_friction in <contact> (Bullet) and
   /// mu1 in <gazebo>.

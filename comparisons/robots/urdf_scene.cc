@@ -416,6 +416,14 @@ class UrdfImporter {
   void add_joint(const urdf::Link& link, const urdf::Joint& joint, std::size_t carrier) {
     LinkParts& own = links_[&link];
     const std::string name = joint_name(joint.name);
+    if (urdf_.ball_joints.count(joint.name) > 0) {
+      own.body = add_body(link, int(carrier));
+      joints_ += fmt::format(
+          "[[joint]]\nname = {}\nkind = \"ball\"\nparent = {}\nchild = {}\nanchor_mm = {}\n\n",
+          in_quotes(name), in_quotes(parent_name(carrier)), in_quotes(bodies_[own.body].name),
+          list(own.in_world.translation() / kMillimetre));
+      return;
+    }
     if (joint.type == urdf::Joint::FLOATING) {
       own.body = add_body(link, -1);
       return;
@@ -429,17 +437,22 @@ class UrdfImporter {
       return;
     }
     const bool turns = joint.type != urdf::Joint::PRISMATIC;
+    const std::string leader = leader_of(joint);
     const double unit = turns ? kDegree : kMillimetre;
     const char* suffix = turns ? "deg" : "mm";
     double start = 0;
     std::string limits;
     if (joint.type != urdf::Joint::CONTINUOUS && joint.limits &&
         joint.limits->lower < joint.limits->upper) {
-      start = std::clamp(0., joint.limits->lower, joint.limits->upper);
-      if (start != 0)
-        note("joint {} starts at its limit, {:.6g}, not at 0 beyond it", in_quotes(name), start);
+      const double wanted = leader.empty() ? 0 : start_of_follower(joint);
+      start = std::clamp(wanted, joint.limits->lower, joint.limits->upper);
+      if (start != wanted)
+        note("joint {} starts at its limit, {:.6g}, not at {:.6g} beyond it", in_quotes(name),
+             start, wanted);
       limits = fmt::format("limits_{} = [{}, {}]\n", suffix, joint.limits->lower / unit,
                            joint.limits->upper / unit);
+    } else if (!leader.empty()) {
+      start = start_of_follower(joint);
     }
     const Vector3d anchor = own.in_world.translation();
     if (turns)
@@ -456,8 +469,41 @@ class UrdfImporter {
     if (joint.dynamics && joint.dynamics->friction > 0)
       joints_ +=
           fmt::format("dry_friction_{} = {}\n", turns ? "Nm" : "N", joint.dynamics->friction);
+    if (!leader.empty())
+      joints_ +=
+          fmt::format("follows = {}\nratio = {}\n", in_quotes(leader), joint.mimic->multiplier);
     joints_ += "\n";
     add_motor(joint, name, turns);
+  }
+
+  /// The joint that another one mimics, if that is one that moves by itself along an axis.
+  std::string leader_of(const urdf::Joint& joint) {
+    if (!joint.mimic) return "";
+    const auto leader = model_->joints_.find(joint.mimic->joint_name);
+    const auto is_simple = [&](const urdf::Joint& one) {
+      return one.type == urdf::Joint::REVOLUTE || one.type == urdf::Joint::CONTINUOUS ||
+             one.type == urdf::Joint::PRISMATIC;
+    };
+    if (leader == model_->joints_.end() || leader->second.get() == &joint)
+      throw InputError(at_joint(joint.name), "mimic", in_quotes(joint.mimic->joint_name),
+                       "another joint of the file");
+    const auto child = model_->links_.find(leader->second->child_link_name);
+    if (is_simple(*leader->second) && child != model_->links_.end() &&
+        links_[child->second.get()].carries_mass)
+      return leader->first;
+    note("joint {} moves by itself: joint {}, which it mimics, does not turn or slide",
+         in_quotes(joint.name), in_quotes(joint.mimic->joint_name));
+    return "";
+  }
+
+  /// Where a joint starts that mimics one which starts at 0, or at the limit next to it.
+  double start_of_follower(const urdf::Joint& joint) const {
+    const urdf::Joint& leader = *model_->joints_.at(joint.mimic->joint_name);
+    double start = 0;
+    if (leader.type != urdf::Joint::CONTINUOUS && leader.limits &&
+        leader.limits->lower < leader.limits->upper)
+      start = std::clamp(0., leader.limits->lower, leader.limits->upper);
+    return joint.mimic->multiplier * start + joint.mimic->offset;
   }
 
   /// Two slides and a hinge, the first two on bodies without mass.

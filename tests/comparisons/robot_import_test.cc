@@ -552,9 +552,11 @@ TEST_F(Robots, OfUrdfSayWhatASceneHasNot) {
   EXPECT_EQ(scene.bodies.size(), 3u);
   ASSERT_EQ(scene.motors.size(), 1u);
   EXPECT_EQ(scene.motors[0].max_effort, 10);
-  for (const char* words :
-       {"joint \"jr\" moves by itself, not as joint \"jl\"", "1 velocity limits are left out",
-        "1 <gazebo> are left out", "the root link \"base\" stands in the world"})
+  ASSERT_EQ(scene.joints.size(), 2u);
+  EXPECT_EQ(scene.joints[1].leader, 0);
+  EXPECT_EQ(scene.joints[1].ratio, 1);
+  for (const char* words : {"1 velocity limits are left out", "1 <gazebo> are left out",
+                            "the root link \"base\" stands in the world"})
     EXPECT_TRUE(is_noted(words)) << words;
   for (const char* upper : {"-1", "nan", "x"}) {
     std::string text = kGripper;
@@ -779,6 +781,36 @@ TEST_F(Robots, SayWhatTheyLeaveOut) {
     <sensor><jointpos joint="j"/></sensor></mujoco>)");
   for (const char* words : {"actuator \"g\"", "1 tendons", "1 sensors"})
     EXPECT_TRUE(is_noted(words)) << words;
+}
+
+/// What a newer MuJoCo has is left out where it changes no motion, and refused otherwise.
+TEST_F(Robots, OfNewerMjcfAreReadOrRefusedByName) {
+  const auto body = [](const std::string& inside, const std::string& before = "") {
+    return "<mujoco>\n" + before + "<worldbody>\n<body name=\"a\">" + inside +
+           "</body></worldbody></mujoco>";
+  };
+  const std::string hinge = "<joint name=\"j\"/><geom size=\"0.1\"/>";
+  import("new.xml", body(hinge + "<site name=\"s\" newer=\"1\"/>",
+                         "<option sdf_iterations=\"5\"/><size memory=\"2M\"/>"
+                         "<visual><global newest=\"1\"/></visual>"));
+  EXPECT_TRUE(is_noted("3 parts of the file are newer than MuJoCo"));
+  for (const auto& [text, words] :
+       {std::pair(body("<geom size=\"0.1\" magic=\"3\"/>"),
+                  "new.xml:3: attribute magic = \"3\" of <geom>"),
+        std::pair(body(hinge + "<plugin/>"), "element <plugin> in <body>"),
+        std::pair(body(hinge, "<option actuatorgroupdisable=\"1\"/>"), "actuatorgroupdisable"),
+        std::pair(body(hinge, "<option><flag damper=\"disable\"/></option>"), "damper"),
+        std::pair(body("<flexcomp/>"), "<flexcomp>"),
+        std::pair(body("<replicate count=\"3\"/>"), "<replicate>"),
+        std::pair(body(hinge, "<include file=\"none.xml\"/>"), "a file that is there"),
+        std::pair(body(hinge, "<include file=\"new.xml\"/>"), "each file once")}) {
+    try {
+      import("new.xml", text);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST_F(Robots, AreBlamedByTheirOwnNames) {

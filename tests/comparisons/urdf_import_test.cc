@@ -238,6 +238,36 @@ TEST_F(Urdf, MoveByEachKindOfJoint) {
   EXPECT_TRUE(body(hinge, "tip").pose.linear().isApprox(turn.toRotationMatrix(), kRounding));
 }
 
+/// A finger that mimics another one moves as it, from where both start.
+TEST_F(Urdf, MimicOtherJoints) {
+  const std::string limit = "<axis xyz=\"1 0 0\"/><limit lower=\"0\" upper=\"0.04\" effort=\"5\"/>";
+  input::Scene scene = import(link("base", "") + link("a", kMass) + link("b", kMass) +
+                              joint("ja", "prismatic", "base", "a", limit) +
+                              joint("jb", "prismatic", "base", "b",
+                                    "<axis xyz=\"-1 0 0\"/><limit lower=\"0\" upper=\"0.09\"/>"
+                                    "<mimic joint=\"ja\" multiplier=\"2\" offset=\"0.01\"/>"));
+  ASSERT_EQ(scene.joints.size(), 2u);
+  EXPECT_NEAR(scene.joints[1].start, 0.01, kRounding);
+  input::Motion push;
+  push.motor = 0;
+  push.is_effort = true;
+  push.table.time_s = {0};
+  push.table.values = Eigen::MatrixXd::Constant(1, 1, 0.5);
+  scene.motions.push_back(push);
+  scene.gravity.values.setZero();
+  scene.duration_s = 0.05;
+  const simulation::Simulation run = simulation::simulate(scene);
+  const auto& last = run.recording.frames.back();
+  // 0.1 kg, and 0.1 kg at twice the speed.
+  EXPECT_NEAR(last.velocities_m_per_s[0].x(), 0.5 / (0.1 + 4 * 0.1) * 0.05, 1e-9);
+  EXPECT_NEAR(last.velocities_m_per_s[1].x(), -2 * last.velocities_m_per_s[0].x(), 1e-9);
+  EXPECT_NEAR(last.poses[1].translation().x() + 0.01, -2 * last.poses[0].translation().x(), 1e-9);
+  EXPECT_NE(refusal(link("base", "") + link("a", kMass) +
+                    joint("ja", "prismatic", "base", "a", limit + "<mimic joint=\"none\"/>"))
+                .find("mimic = \"none\": allowed: another joint of the file"),
+            std::string::npos);
+}
+
 /// Bodies that a joint connects pass through each other; friction is the smaller one of two links.
 TEST_F(Urdf, TouchAsTheFileSays) {
   const std::string contact = "<contact><lateral_friction value=\"0.3\"/></contact>";
