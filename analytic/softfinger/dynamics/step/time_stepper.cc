@@ -84,6 +84,29 @@ void TimeStepper::collect(ContactFinder& finder) {
     if (joint.upper - position < reach) limits_.push_back({j, -1, joint.upper - position});
   }
   describe_rows();
+  if (drop_locked_contacts()) describe_rows();
+}
+
+/// Leaves out contacts that no velocity can open or close: bodies that only slide along each other
+/// on their joints. What they are pressed by is not determined, and nothing would change by it.
+bool TimeStepper::drop_locked_contacts() {
+  constexpr double kRounding = 1e-12;
+  std::vector<double> along(contacts_.size()), any(contacts_.size());
+  for (std::size_t t = 0; t < touching_.size(); ++t)
+    for (std::size_t n = 0; n < touching_[t].size(); ++n) {
+      const Touching& touching = touching_[t][n];
+      if (touching.joint >= 0) continue;
+      const auto block = jacobians_[t].middleRows<3>(4 * Eigen::Index(n));
+      const auto row = std::size_t(touching.row);
+      along[row] = std::max(along[row], block.row(0).lpNorm<Eigen::Infinity>());
+      any[row] = std::max(any[row], block.lpNorm<Eigen::Infinity>());
+    }
+  const std::size_t before = contacts_.size();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < before; ++i)
+    if (along[i] > kRounding * any[i]) contacts_[kept++] = contacts_[i];
+  contacts_.resize(kept);
+  return kept < before;
 }
 
 /// Limits that the new velocities would break although they were thought far away: a stiff motor

@@ -179,6 +179,7 @@ class TimeStepper {
   };
 
   void collect(ContactFinder& finder);
+  bool drop_locked_contacts();
   bool add_broken_limits();
   void describe_rows();
   void factorise();
