@@ -25,7 +25,8 @@ using tinyxml2::XMLElement;
 
 constexpr int kMostIncludes = 200;
 
-/// What is only seen, or reported: no scene has it, in any version. Sensors are counted.
+/// Elements that are only seen, or reported: no scene has them, in any version. Sensors are
+/// counted.
 const std::set<std::string> kUnused = {"visual",   "statistic", "custom", "sensor", "texture",
                                        "material", "skin",      "camera", "light",  "extension"};
 
@@ -122,7 +123,7 @@ class MjcfFilter {
   void note(fmt::format_string<Arguments...> text, Arguments&&... arguments) {
     result_.notes.push_back(fmt::format(text, std::forward<Arguments>(arguments)...));
   }
-  /// What comes from an included file has no line here.
+  /// Place of an element in the file. Elements of included files have no line here.
   std::string at(const XMLElement& element) const {
     return element.GetLineNum() > 0 ? fmt::format("{}:{}", file_.string(), element.GetLineNum())
                                     : file_.string();
@@ -367,7 +368,7 @@ class MjcfFilter {
     Vector3d place;
   };
 
-  /// Where the sites are, which equalities may name.
+  /// Notes the places of sites, which equalities may name.
   void note_sites(XMLElement& parent, const std::string& body) {
     for (XMLElement* child : children(parent)) {
       if (child->Name() == std::string("worldbody")) {
@@ -419,7 +420,7 @@ class MjcfFilter {
     if (is_connect) equality.SetAttribute("anchor", words(a->second.place).c_str());
   }
 
-  /// What changes the motion and is done by the scene.
+  /// Collects the attributes that change the motion and that the scene honours.
   void collect(XMLElement& parent) {
     for (XMLElement* child : children(parent)) {
       const std::string name = child->Name();

@@ -21,8 +21,8 @@ struct UrdfFile {
   std::set<std::pair<std::string, int>> capsules;
   std::set<std::string> ball_joints;  ///< those that Bullet calls spherical; floating in the text
   std::map<std::string, int> line_of_mesh;  ///< by the name of its file
-  /// What the simulators' own elements say of links: lateral_friction in <contact> (Bullet) and
-  /// mu1 in <gazebo>.
+  /// Friction coefficients from the simulators' own elements: lateral_friction in <contact>
+  /// (Bullet) and mu1 in <gazebo>.
   std::map<std::string, double> friction_of_link;
 };
 

@@ -408,7 +408,7 @@ class UrdfImporter {
                            in_quotes(bodies_[carrier].name), in_quotes(bodies_[child].name));
   }
 
-  /// What hangs in the world hangs on no body.
+  /// Name of a joint's parent: fixed bodies are parts of the world.
   std::string parent_name(std::size_t carrier) const {
     return bodies_[carrier].is_fixed ? "world" : bodies_[carrier].name;
   }
@@ -496,7 +496,7 @@ class UrdfImporter {
     return "";
   }
 
-  /// Where a joint starts that mimics one which starts at 0, or at the limit next to it.
+  /// The start of a joint that mimics one which starts at 0, or at the limit next to it.
   double start_of_follower(const urdf::Joint& joint) const {
     const urdf::Joint& leader = *model_->joints_.at(joint.mimic->joint_name);
     double start = 0;
@@ -599,7 +599,8 @@ class UrdfImporter {
          in_quotes(link.name), mass_kg, kDensity_kg_per_m3);
   }
 
-  /// Of two links the smaller friction counts; a later rule takes precedence in a scene.
+  /// Writes the rules of contact. The smaller friction of two links counts: in a scene the later
+  /// rule does.
   void add_contacts() {
     if (with_shapes_.size() < 2 && urdf_.friction_of_link.empty()) return;
     std::vector<std::pair<double, std::string>> frictions;

@@ -783,7 +783,7 @@ TEST_F(Robots, SayWhatTheyLeaveOut) {
     EXPECT_TRUE(is_noted(words)) << words;
 }
 
-/// What a newer MuJoCo has is left out where it changes no motion, and refused otherwise.
+/// Newer elements and attributes are left out where they change no motion, and refused otherwise.
 TEST_F(Robots, OfNewerMjcfAreReadOrRefusedByName) {
   const auto body = [](const std::string& inside, const std::string& before = "") {
     return "<mujoco>\n" + before + "<worldbody>\n<body name=\"a\">" + inside +

@@ -199,7 +199,7 @@ TEST_F(Urdf, MendMassesThatNoBodyHas) {
   const double radius_m = std::cbrt(0.5 / 1000 * 3 / (4 * kPi));
   EXPECT_NEAR(only(inertial(0.5, Vector3d::Zero())).inertia_kg_m2(1, 1),
               0.4 * 0.5 * radius_m * radius_m, kRounding);
-  // What weighs nothing is not moved by a joint.
+  // A joint does not move a link that weighs nothing.
   const input::Scene frame =
       import(link("base", kMass) + link("arm", kMass) + joint("a", "continuous", "base", "arm") +
              link("f", "") + joint("j", "continuous", "arm", "f"));

@@ -88,8 +88,8 @@ Multibody swinging_ball(double start_rad, double dry_friction_Nm) {
   return Multibody({ball}, {joint});
 }
 
-/// Where a swing that begins at rest at `from` turns, on the other side: what the weight gives is
-/// what friction takes, m g l (cos b - cos a) = M (a + b).
+/// The turning point of a swing that begins at rest at `from`, on the other side: friction takes
+/// what the weight gives, m g l (cos b - cos a) = M (a + b).
 double turning_point(double from_rad, double weight_Nm, double friction_Nm) {
   double low = -from_rad, high = from_rad;
   for (int i = 0; i < 200; ++i) {
@@ -205,7 +205,7 @@ TEST(DryFriction, AddsToThatOfContacts) {
     }
 }
 
-/// Of a chain that swings in three joints with friction the energy never grows, whatever the steps.
+/// The energy of a chain that swings in three joints with friction never grows, whatever the steps.
 TEST(DryFriction, NeverAddsEnergy) {
   std::vector<BodyDescription> bodies;
   std::vector<JointDescription> joints;

@@ -46,7 +46,7 @@ bool read(std::string_view bytes) {
     const robots::MjcfFile mjcf = robots::read_mjcf(file.path(), schema);
     if (!mjcf.text.empty()) {
       const MemoryFile filtered(mjcf.text);
-      // What it has written it reads, and leaves as it is.
+      // The filter reads its own text again.
       if (robots::read_mjcf(filtered.path(), schema).text.empty()) std::terminate();
       is_read = true;
     }

@@ -408,7 +408,7 @@ void TimeStepper::add_tree(std::size_t t) {
         // less.
         constexpr double kLocked = 1e-12;
         if (k == n) block(0, 0) = std::max(block(0, 0), kLocked * free_response);
-        // What is left of a joint's response behind its loops may be negative by rounding.
+        // Loops may leave a joint a response of nothing, which rounding makes negative.
         if (k == n && list[n].joint >= 0 && list[n].sign == kDryFriction)
           block(1, 1) = std::max(block(1, 1), 0.);
         delassus.block<4, 4>(j, i) += block;
