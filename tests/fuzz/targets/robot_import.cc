@@ -61,9 +61,6 @@ bool read(std::string_view bytes) {
   }
   return is_read;
 }
-#else
-bool read(std::string_view) { return false; }
-#endif
 
 std::vector<std::string> seeds() {
   return {
@@ -77,8 +74,8 @@ std::vector<std::string> seeds() {
       "</link><joint name=\"k\" type=\"prismatic\"><parent link=\"tip\"/><child link=\"b\"/>"
       "<limit lower=\"0\" upper=\"1\"/><mimic joint=\"j\" multiplier=\"2\"/></joint></robot>\n",
       "<robot name=\"r\"><link name=\"a\"><contact><lateral_friction value=\"1\"/></contact>"
-      "<collision><geometry><mesh filename=\"package://p/a.stl\" scale=\"1 -1 1\"/></geometry>"
-      "</collision></link>\n<gazebo reference=\"a\"><mu1>0.3</mu1></gazebo></robot>\n",
+      "<visual><geometry><mesh filename=\"package://p/a.dae\" scale=\"1 -1 1\"/></geometry>"
+      "</visual></link>\n<gazebo reference=\"a\"><mu1>0.3</mu1></gazebo></robot>\n",
       "<mujoco><compiler angle='radian' eulerseq='XYZ'/>\n<default><joint range='0 1'/>"
       "<default class='c'><geom density='200'/></default></default>\n<worldbody>"
       "<frame pos='1 2 3' euler='1 0 0' childclass='c'><body name='a' gravcomp='1'>"
@@ -89,6 +86,10 @@ std::vector<std::string> seeds() {
       "dampratio='1'/></actuator><equality><connect site1='s' site2='s'/></equality>"
       "<keyframe><key qpos='0' ctrl='1'/></keyframe></mujoco>\n"};
 }
+#else
+bool read(std::string_view) { return false; }
+std::vector<std::string> seeds() { return {}; }
+#endif
 
 }  // namespace
 
