@@ -691,7 +691,8 @@ MjcfSchema schema_of_library() {
 
 std::string with_masses(const std::string& text, const std::map<std::string, double>& mass_kg) {
   tinyxml2::XMLDocument document;
-  document.Parse(text.c_str(), text.size());
+  if (document.Parse(text.c_str(), text.size()) != tinyxml2::XML_SUCCESS || !document.RootElement())
+    return text;
   std::vector<XMLElement*> open = {document.RootElement()};
   while (!open.empty()) {
     XMLElement* element = open.back();

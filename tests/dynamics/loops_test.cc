@@ -334,8 +334,9 @@ TEST(Followers, MoveAsGearsMakeThem) {
   TimeStepper stepper(pendulums(start_rad), {}, fall_with(dt));
   SimpleContacts none;
   const double start_J = energy_J(stepper.bodies());
-  // A rod of m = l kg: m l²/3 a'' = -m g l/2 sin a, and ratio² and ratio sin(ratio a) of the other.
-  const double inertia = length_m * length_m * length_m / 3,
+  // A rod of m = l kg, 0.01 m thick: (m l²/3 + its thickness) a'' = -m g l/2 sin a, and ratio² and
+  // ratio sin(ratio a) of the other.
+  const double inertia = length_m * (length_m * length_m / 3 + 0.01 * 0.01 / 12),
                weight = kFall * length_m * length_m / 2;
   const auto acceleration = [&](double a) {
     return -weight * (std::sin(a) + ratio * std::sin(ratio * a)) / (inertia * (1 + ratio * ratio));
