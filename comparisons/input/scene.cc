@@ -933,7 +933,8 @@ void SceneReader::start_joints(Multibody bodies) {
     return of.is_angular ? bodies.angular_velocity(of.body)
                          : bodies.velocity_at(of.body, bodies.center_of_mass_m(of.body));
   };
-  // The velocities of the bodies are linear in those of the joints; free bodies keep their own.
+  // The bodies' velocities are linear in those of the joints. Degrees of freedom that move a free
+  // body are left out of the fit, so that free bodies keep the velocities they were given.
   const auto moves_free_body = [&] {
     for (std::size_t b = 0; b < joint_of.size(); ++b)
       if (!is_held[b] && bodies.moves(int(b)) &&

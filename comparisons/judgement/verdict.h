@@ -9,9 +9,9 @@ namespace softfinger::judgement {
 
 /// Outcome of a case's comparison. Usable is defined at `Judgement`.
 enum class VerdictClass {
-  /// One model is usable at all loads. The sentence names the most accurate such model of the hot
-  /// path and at most one more. It names a slower model only if no model of the hot path is usable
-  /// at all loads.
+  /// One model is usable at all loads. `Verdict::sentence` names the most accurate such model among
+  /// those that take microseconds, and at most one more. It names a slower model only if none of
+  /// these is usable at all loads.
   good,
   /// Models are usable at some of the loads only, or one agrees outside its range. The sentence
   /// says which model is usable at which loads, and gives the smallest error at the other loads.

@@ -138,8 +138,9 @@ Samples sample(const std::array<PlacedBody, 2>& bodies, const Lattice& lattice) 
   return samples;
 }
 
-/// The samples that have a surface on both bodies, as a gap.
-SampledGap smooth_gap(const ArrayXd& samples_m, int rings, const Lattice& lattice) {
+/// The middle square of the samples as a gap, `rings` around the centre: within it both bodies have
+/// a surface without a step. Nothing is smoothed.
+SampledGap gap_within(const ArrayXd& samples_m, int rings, const Lattice& lattice) {
   const int first = kRings - rings, side = 2 * rings + 1;
   ArrayXd gap_m(side * side);
   for (int i = 0; i < side; ++i)
@@ -155,7 +156,7 @@ SampledGapResult::Changes changes_by_rounding(const Prediction& facets, const Sa
                                               const Lattice& lattice,
                                               const ContactProblem& problem) {
   try {
-    const SampledGap gap = smooth_gap(samples.gap_m - samples.rounding_m, samples.rings, lattice);
+    const SampledGap gap = gap_within(samples.gap_m - samples.rounding_m, samples.rings, lattice);
     const Prediction rounded = predict_layer_fft(gap, gap.window(), problem).prediction;
     const auto change = [&](double Prediction::*quantity) {
       return std::abs(rounded.*quantity / (facets.*quantity) - 1);
@@ -201,7 +202,7 @@ ModelAnswer ask_sampled_gap(const GeometryResolver& resolver, const LocalGeometr
     const Samples samples = sample(bodies, lattice);
     if (samples.rings < kFewestRings)
       throw samples.ending->ends_at(samples.end_x_m, samples.end_y_m, "inside the contact");
-    const SampledGap gap = smooth_gap(samples.gap_m, samples.rings, lattice);
+    const SampledGap gap = gap_within(samples.gap_m, samples.rings, lattice);
     try {
       const GapPrediction result = predict_layer_fft(gap, gap.window(), answer.problem);
       answer.prediction = result.prediction;

@@ -325,8 +325,8 @@ Nearest CollisionDetector::Implementation::nearest(int first, int second, double
     if (round.is_exact && !is_block) return nearest_to_round(a, round, reach_m, memory);
     // While they touch, that is seen below.
     if (!memory.known() || memory.gap_m > reach_m) {
-      // The search goes beyond the reach: no other one is needed until the bodies can have come
-      // that near.
+      // The search goes beyond the reach, by a quarter of the smaller radius: a pair that is
+      // farther apart need not be searched again until its motion can have used up the difference.
       const double limit_m = round.radius_m + reach_m + std::min(a.radius_m, b.radius_m) / 4;
       const TriangleTree::Nearest at =
           a.tree->nearest(in_frame(a, round.core), limit_m, memory.triangle);

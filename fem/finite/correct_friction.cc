@@ -191,8 +191,9 @@ class Corrector {
     result_.twist = std::move(twist.changes);
   }
 
-  /// Compares the coarser mesh's correction of the twist with the other one.
-  /// @returns the largest difference, relative, and the number of states that it is of
+  /// Compares the twist's correction on this mesh with that on the coarser one, over the states
+  /// that were solved on both.
+  /// @returns the largest difference, relative, and the number of states compared
   std::pair<double, std::size_t> compare(const OnMesh& on_mesh, const Path& rough) const {
     const Path& twist = on_mesh.twist;
     const std::size_t compared = std::min(rough.solved, twist.solved);

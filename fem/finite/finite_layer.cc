@@ -2,9 +2,6 @@
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_values.h>
-#include <deal.II/grid/grid_tools.h>
-#include <deal.II/numerics/data_out.h>
-#include <deal.II/numerics/data_postprocessor.h>
 
 #include <Eigen/Cholesky>
 #include <algorithm>
@@ -16,9 +13,10 @@
 #include <utility>
 
 #include "fem/base/threads.h"
-#include "fem/base/write_file.h"
 #include "fem/finite/tangent_assembly.h"
 #include "fem/layer/layer_space.h"
+#include "fem/layer/mesh_in_metres.h"
+#include "fem/output/write_fields.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem::finite {
@@ -215,7 +213,7 @@ std::vector<double> FiniteLayer::Implementation::of_elements(const dealii::Vecto
 
 namespace {
 
-/// The smallest of volume ratios, which are 1 where nothing is strained.
+/// The smallest of the volume ratios, at most 1, which an undeformed element has.
 double smallest_of(const std::vector<double>& ratios) {
   double smallest = 1;
   for (const double ratio : ratios) smallest = std::min(smallest, ratio);
@@ -759,22 +757,6 @@ void FiniteLayer::continue_from(const FiniteLayer& other) {
   self.constraints.distribute(self.state.displacement);
 }
 
-namespace {
-
-/// Output of the contact's pressure. The field that is given to it has the pressure as the third
-/// component, in place of the displacement along the load.
-class ContactPressure : public dealii::DataPostprocessorScalar<dim> {
- public:
-  ContactPressure() : DataPostprocessorScalar("contact_pressure_Pa", dealii::update_values) {}
-  void evaluate_vector_field(const dealii::DataPostprocessorInputs::Vector<dim>& inputs,
-                             std::vector<dealii::Vector<double>>& pressure) const override {
-    for (unsigned int p = 0; p < pressure.size(); ++p)
-      pressure[p][0] = inputs.solution_values[p][2];
-  }
-};
-
-}  // namespace
-
 void FiniteLayer::write_vtu(const std::string& path, const Eigen::VectorXd& pressure,
                             double thickness_m, double youngs_modulus_Pa) const {
   auto& self = *implementation_;
@@ -788,22 +770,8 @@ void FiniteLayer::write_vtu(const std::string& path, const Eigen::VectorXd& pres
         (self.geometries[i].linear.transpose() * self.state.elements[i].volume_ratio)
             .dot(self.geometries[i].weight) /
         self.geometries[i].weight.sum();
-  dealii::GridTools::scale(thickness_m, self.triangulation);
-  self.bending *= thickness_m;
-  {
-    const ContactPressure contact_pressure;
-    dealii::DataOut<dim> output;
-    output.add_data_vector(self.dofs, displacement_m,
-                           std::vector<std::string>(dim, "displacement_m"),
-                           {dim, dealii::DataComponentInterpretation::component_is_part_of_vector});
-    output.add_data_vector(self.dofs, pressure_Pa, contact_pressure);
-    output.attach_triangulation(self.triangulation);
-    output.add_data_vector(volume_ratio, "volume_ratio", dealii::DataOut<dim>::type_cell_data);
-    output.build_patches(*self.mapping, 2, dealii::DataOut<dim>::curved_inner_cells);
-    write_file(path, "VTU file", [&](std::ostream& file) { output.write_vtu(file); });
-  }
-  self.bending /= thickness_m;
-  dealii::GridTools::scale(1 / thickness_m, self.triangulation);
+  const MeshInMetres in_metres(self, thickness_m);
+  write_fields(path, {self, displacement_m, pressure_Pa, nullptr, "volume_ratio", volume_ratio});
 }
 
 std::shared_ptr<const FiniteLayer::State> FiniteLayer::state() const {

@@ -1,7 +1,6 @@
 #include "fem/layer/layer_model.h"
 
 #include <deal.II/dofs/dof_tools.h>
-#include <deal.II/grid/grid_tools.h>
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include "fem/layer/element_stiffness.h"
 #include "fem/layer/layer_solution.h"
 #include "fem/layer/layer_space.h"
+#include "fem/layer/mesh_in_metres.h"
 #include "fem/layer/surface_frame.h"
 #include "softfinger/input/errors.h"
 
@@ -317,11 +317,8 @@ void LayerModel::with_solution(const Eigen::VectorXd& force, double thickness_m,
   for (std::size_t i = 0; i < self.nodes.size(); ++i)
     pressure_Pa[self.node_dofs[i][2]] = youngs_modulus_Pa * force[static_cast<Eigen::Index>(i)] /
                                         (self.nodes[i].weight * self.nodes[i].area_ratio);
-  dealii::GridTools::scale(thickness_m, self.triangulation);
-  self.bending *= thickness_m;
+  const MeshInMetres in_metres(self, thickness_m);
   use({self, self.sublayers, youngs_modulus_Pa, std::move(displacement_m), std::move(pressure_Pa)});
-  self.bending /= thickness_m;
-  dealii::GridTools::scale(1 / thickness_m, self.triangulation);
 }
 
 }  // namespace softfinger::fem

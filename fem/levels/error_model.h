@@ -115,7 +115,7 @@ constexpr ErrorConstants friction_integral{1.6, 2e-4};
 constexpr ErrorConstants stuck_stiffness{1.45, 1e-3, 0, 5.2e-2};
 /// The stiffness before slip is proportional to the third power of the contact's radius. Where the
 /// edge lies between the nodes of both levels, this radius is known to a quarter of a cell.
-/// (Measured on a mesh from outside: 4 %.)
+/// (Measured on a user's own mesh: the stiffness was 4 % off.)
 constexpr double stuck_edge_cells = 3 * 0.25;
 
 /// Elements per semi-axis, fine over coarse.

@@ -60,7 +60,8 @@ FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, Kept
                             std::optional<FrictionPlan>& plan, const OrderedProgress& progress,
                             const OnState& on_state);
 
-/// The finer mesh's answer with what the coarse one was corrected by, if it was.
+/// The finer mesh's answer plus the correction that was found on the coarse mesh, scaled by the
+/// torques of full slip on both; without such a correction, the finer mesh's answer itself.
 FrictionOfLevel corrected(const FrictionOfLevel& fine, const FrictionOfLevel& coarse);
 
 /// Puts the finer level's answer into the result, with the stiffness extrapolated, and the errors

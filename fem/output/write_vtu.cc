@@ -2,13 +2,12 @@
 
 #include <deal.II/base/quadrature_lib.h>
 #include <deal.II/fe/fe_values.h>
-#include <deal.II/numerics/data_out.h>
 #include <deal.II/numerics/data_postprocessor.h>
 
 #include <Eigen/Cholesky>
 
-#include "fem/base/write_file.h"
 #include "fem/layer/layer_solution.h"
+#include "fem/output/write_fields.h"
 
 namespace softfinger::fem {
 namespace {
@@ -88,39 +87,19 @@ class Stress : public dealii::DataPostprocessorTensor<dim> {
   const std::vector<ElasticConstants>& sublayers_;
 };
 
-class ContactPressure : public dealii::DataPostprocessorScalar<dim> {
- public:
-  ContactPressure() : DataPostprocessorScalar("contact_pressure_Pa", dealii::update_values) {}
-  void evaluate_vector_field(const dealii::DataPostprocessorInputs::Vector<dim>& inputs,
-                             std::vector<dealii::Vector<double>>& pressure) const override {
-    for (unsigned int p = 0; p < pressure.size(); ++p)
-      pressure[p][0] = inputs.solution_values[p][2];
-  }
-};
-
 void write_solution(const std::string& path, const LayerSolution& solution) {
   const LayerSpace& space = solution.space;
   const dealii::DoFHandler<dim>& dofs = space.dofs;
   const ProjectedDivergence divergence(*space.mapping, dofs, solution.displacement_m);
   const Stress stress(divergence, solution.youngs_modulus_Pa, solution.sublayers);
-  const ContactPressure contact_pressure;
-  dealii::DataOut<dim> output;
-  const std::vector<dealii::DataComponentInterpretation::DataComponentInterpretation> vector(
-      dim, dealii::DataComponentInterpretation::component_is_part_of_vector);
-  output.add_data_vector(dofs, solution.displacement_m,
-                         std::vector<std::string>(dim, "displacement_m"), vector);
-  output.add_data_vector(dofs, solution.displacement_m, stress);
-  output.add_data_vector(dofs, solution.contact_pressure_Pa, contact_pressure);
-  dealii::Vector<float> sublayer(dofs.get_triangulation().n_active_cells());
-  for (const auto& cell : dofs.active_cell_iterators())
-    sublayer[cell->active_cell_index()] = static_cast<float>(cell->material_id());
-  output.attach_triangulation(dofs.get_triangulation());
-  if (solution.sublayers.size() > 1)
-    output.add_data_vector(sublayer, "sublayer", dealii::DataOut<dim>::type_cell_data);
-  // Two subdivisions: the quadratic element's own nodes.
-  output.build_patches(*space.mapping, 2, dealii::DataOut<dim>::curved_inner_cells);
-
-  write_file(path, "VTU file", [&](std::ostream& file) { output.write_vtu(file); });
+  LayerFields fields{space, solution.displacement_m, solution.contact_pressure_Pa, &stress};
+  if (solution.sublayers.size() > 1) {
+    fields.name_of_cells = "sublayer";
+    fields.of_cells.reinit(dofs.get_triangulation().n_active_cells());
+    for (const auto& cell : dofs.active_cell_iterators())
+      fields.of_cells[cell->active_cell_index()] = cell->material_id();
+  }
+  write_fields(path, fields);
 }
 
 }  // namespace

@@ -116,8 +116,8 @@ struct Result {
   /// The place where a scanned finger touches the object first, from the aimed point in the
   /// contact's frame; outlines and profiles count from there.
   std::array<double, 3> first_touch_m{};
-  /// The point that friction's motions turn about and that its torques refer to, from the first
-  /// touch.
+  /// The centre of the pressure (x, y), about which friction's motions turn and its torques are
+  /// taken, as an offset from `first_touch_m`.
   std::array<double, 2> friction_centre_m{};
   double pressure_exponent =
       0;  ///< n of p0 (1 - r²)^n with the same load, area and peak: pi a b p0 / P - 1

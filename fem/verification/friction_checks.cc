@@ -58,8 +58,8 @@ double force_limit_N(const Problem& problem) {
   return problem.contact.load.friction_coefficient * problem.contact.load.normal_force_N;
 }
 
-/// Torque at given angles, full slip and initial stiffness of a twist; expected ones with
-/// G = a = mu P = 1.
+/// What a twist has to give, in units with G = a = mu P = 1: the torque at each angle, that of full
+/// slip, and the stiffness at the start.
 struct ExpectedTwist {
   std::vector<double> angle, torque;
   double full_slip, stiffness;

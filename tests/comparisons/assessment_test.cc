@@ -66,7 +66,8 @@ TEST(FingerCurvature, FollowsFromTheBodies) {
   EXPECT_EQ(ball[0], 0);
   EXPECT_EQ(ball[1], 0);
   EXPECT_EQ(share("relative_radii_mm = [20, 9]")[0], 0) << "a flat layer";
-  // Crossed cylinders: the gap is as curved along x by the object as along y by the finger.
+  // Crossed cylinders: along the finger's x axis only the object is curved, along y only the
+  // finger.
   const auto crossed =
       share("finger.radii_mm = [inf, 9]\nobject.radii_mm = [inf, 12]\nangle_deg = 90");
   EXPECT_NEAR(crossed[0] + crossed[1], 1, 1e-12);

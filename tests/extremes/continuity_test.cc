@@ -79,7 +79,7 @@ TEST_P(SwitchesOf, DoNotMakeNumbersJump) {
     failures += jump >= tolerance;
   };
   for (int line = 0; line < 60 && failures < 5; ++line)
-    for (const extremes::Path& path : extremes::draw_paths(problems, line))
+    for (const testing::Path& path : testing::draw_paths(problems, line))
       check(path.what, path.base, path.samples, path.problem);
   std::printf("%-20s largest jump %.1e\n", std::string(model.card().name).c_str(), worst);
 }

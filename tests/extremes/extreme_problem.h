@@ -49,7 +49,9 @@ class ExtremeProblems {
     return problem;
   }
 
-  /// A problem in which one or two numbers are replaced by values that only a wrong program passes.
+  /// A problem in which one or two numbers are replaced by extreme or invalid ones: subnormal,
+  /// huge, infinite, 0, -1, NaN. A model may answer or not, but each number that it returns is
+  /// finite.
   ContactProblem draw_broken() {
     static const double values[] = {5e-324,
                                     1e-310,

@@ -366,7 +366,8 @@ TEST(FiniteWhole, ObjectThatEndsInTheContactIsRefused) {
   }
 }
 
-/// Twelve triangles whose upper face touches the origin from above.
+/// A block above the plane z = 0 as twelve triangles. Its lower face holds the origin; the finger
+/// touches it from below.
 TriangleSurface table(double side) {
   TriangleSurface box;
   for (const double z : {2 * side, 0.0})

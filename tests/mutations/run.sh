@@ -2,15 +2,33 @@
 # Breaks the code on purpose, one line at a time, and expects a fast test to fail: a change that no
 # test notices is a test that is missing.
 #
-# usage: tests/mutations/run.sh [PART]     only files whose path contains PART
+# usage: tests/mutations/run.sh [PART]           only files whose path contains PART
+#        tests/mutations/run.sh --check [LIST]   only whether each mutation still applies: a fast test
 #
-# Run by hand: each mutation is compiled and tested, which takes half a minute or so. It works on a
+# Run by hand without --check: each mutation is compiled and tested, which takes half a minute or so. It works on a
 # clone of the last commit in build/mutations. mutations.txt holds four lines for each, and an empty
 # one between them: the file, a text that is there once, what replaces it, and the test program that
 # is to notice.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
+if [ "${1:-}" = --check ]; then
+  cd "$root"
+  count=0 rotten=0
+  while IFS= read -r file && IFS= read -r old && IFS= read -r new && IFS= read -r program; do
+    IFS= read -r empty || empty=
+    count=$((count + 1))
+    # The text has to stand on one line, its mutation has to be another one, and the program has to be known to CMake.
+    if [ -n "$empty" ] || [ "$old" = "$new" ] || [ "$(grep -cF -- "$old" "$file" 2>/dev/null)" != 1 ] ||
+      ! grep -rqE "NAME $program( |$)" --include=CMakeLists.txt tests; then
+      echo "does not apply: $file: $old"
+      rotten=$((rotten + 1))
+    fi
+  done <"${2:-$here/mutations.txt}"
+  echo "$((count - rotten)) of $count mutations apply"
+  [ "$rotten" -eq 0 ] && [ "$count" -gt 0 ]
+  exit
+fi
 part=${1:-}
 work=$root/build/mutations
 

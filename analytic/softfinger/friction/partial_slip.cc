@@ -112,12 +112,12 @@ double fermi_cosine(double x) noexcept {
 ///
 /// A shear q(r) = -G d/dr int_r^1 f(t)/sqrt(t² - r²) dt turns the disc r < c by theta if
 ///   f(s) - int_0^1 K(s, t) f(t) dt = 4/pi theta s for s < c,
-///   K(s, t) = (C(|s - t|/(2 h)) - C((s + t)/(2 h)))/(pi h)
-/// (as Lebedev and Ufliand have it for pressure). Full slip, q = mu p, has
-/// f = 4/pi s theta_0(s), theta_0(c) the half-space's. What a growing twist adds belongs to the
-/// stuck disc alone. So f is the sum of what discs of all sizes add, each by its own increment
-/// dtheta. With cells of s, W(I - K W) = L L^T and z = L^-1 W s, the factors of all smaller discs
-/// are the leading parts of L, and
+///   K(s, t) = (C(|s - t|/(2 h)) - C((s + t)/(2 h)))/(pi h),   C = fermi_cosine, h over a
+/// (as Lebedev and Ufliand have it for pressure). Full slip, q = mu p, has f = 4/pi s theta_0(s),
+/// where theta_0(c) is the angle at which the stuck disc of a half-space has shrunk to r < c. What
+/// a growing twist adds belongs to the stuck disc alone. So f is the sum of what discs of all sizes
+/// add, each by its own increment dtheta. With cells of s, whose weights are the diagonal W, W(I -
+/// K W) = L L^T and z = L^-1 W s, the factors of all smaller discs are the leading parts of L, and
 ///   theta_i = pi/4 (L^T f)_i/z_i,   k_i = 16 (z_1² + ... + z_i²),   dT = k dtheta.
 ///
 /// @param size  a/h, 0 to `kLargestSize`

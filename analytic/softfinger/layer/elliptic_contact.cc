@@ -75,9 +75,9 @@ std::vector<Mode> expansion(int radial, int angular) {
   return modes;
 }
 
-/// Fourier coefficients over the directions psi of the wave vector, j = 0, 1, ... 2 angular:
-/// int cos(2 j psi) [closed form of the half-space - layer_part](g(psi)) / g dpsi, with
-/// g = |(cos psi/a, sin psi/b)|.
+/// Fourier coefficients over the directions psi of the wave vector, j = 0, 1, ... 2 angular, each a
+/// matrix over the radial modes: the integral of cos(2 j psi) (D - layer_part(g)) / g, where D is
+/// the half-space's part in closed form, a diagonal, and g(psi) = |(cos psi/a, sin psi/b)|.
 std::vector<MatrixXd> harmonics_of_compliance(double a, double b, const LayerKernel& kernel,
                                               int radial, int angular) {
   // Trapezoidal rule over a quarter of the circle of directions. It converges like

@@ -187,7 +187,8 @@ std::array<Dual<N>, StuckStiffnessTable::kFunctions> stuck_polynomials(
 /// Within 0.1 % of the spectral solution for sqrt(ab)/h of 0.005 to 100 and a/b to 20. For smaller
 /// and larger contacts it tends to the exact limits. Longer ones: 0.2 % at a/b = 60, 3 % at 100, 10
 /// % at 1000 (a few points); always finite. Smooth in all arguments. Plain arithmetic and square
-/// roots (found by argument-dependent lookup), no branch, no allocation; 0.1 microseconds.
+/// roots (found by argument-dependent lookup), no branch, no allocation; below 0.1
+/// microseconds.
 template <class Real>
 StuckStiffnessOf<Real> stuck_stiffness(const Real& a_m, const Real& b_m, const Real& thickness_m,
                                        const Real& youngs_modulus_Pa,
