@@ -67,7 +67,7 @@ struct Motion {
 struct Engine {
   std::string name;   ///< "mujoco_exported"
   std::string title;  ///< "MuJoCo, exported lines"
-  std::string told;   ///< what of the contact the engine is told, and its settings
+  std::string told;   ///< contact data that the engine is given, and its settings
   Motion (*run)(const Scene& scene) = nullptr;
 };
 

@@ -73,8 +73,8 @@ double threshold(double least, double most, bool moves_above,
   return high;
 }
 
-/// An acceleration is told from the mean velocities of two short times at the end. A creep at
-/// constant velocity is none, nor is a velocity that jumps to and fro from step to step.
+/// Time between the two short spans at the end whose mean velocities give the acceleration. A creep
+/// at constant velocity has none, nor has a velocity that alternates from step to step.
 constexpr double kWatched_s = 0.2;
 constexpr int kAveraged = 20;  ///< steps
 void watch_the_end(Scene& scene) {

@@ -147,8 +147,9 @@ int run_doctor(bool as_json) {
     system::write_to_stdout(
         text::printed(nlohmann::json({{"findings", list}, {"complete", well}})));
   else
-    system::write_text_to_stdout(text + (well ? "Nothing is missing that predictions need.\n"
-                                              : "Something is missing that predictions need.\n"));
+    system::write_text_to_stdout((well ? "Nothing is missing that predictions need.\n"
+                                       : "Something is missing that predictions need.\n") +
+                                 text);
   return well ? 0 : 1;
 }
 

@@ -136,6 +136,15 @@ std::string block_of(const std::vector<prediction::ModelAnswer>& answers,
   if (first)
     if (const std::string inputs = judgement::cost_of_inputs(*first, rule); !inputs.empty())
       text += "  torque by the inputs: " + inputs + "\n";
+  for (const prediction::ModelAnswer& answer : answers) {
+    if (!answer.sampled || !answer.prediction.has_answer) continue;
+    const FrictionEllipsoid limit = answer.friction_ellipsoid(rule);
+    text += fmt::format(
+        "  sampled gap, by {}: torque {:.3g} mN·m, contact {:.3g} mm², e_n {:.3g} mm; no bound is "
+        "known for it\n",
+        answer.model->card().name, limit.max_torque_Nm() * 1e3,
+        answer.sampled->region_area_m2 * 1e6, limit.eccentricity_m * 1e3);
+  }
   return text + models_text(answers, first, rule, demand);
 }
 

@@ -91,7 +91,7 @@ struct Shapes {
   bool is_object_spherical = false;
 };
 
-/// Finite elements of the whole finger at one load: its own layer, bent over its radii, at finite
+/// Finite elements of the whole finger at one load: its own layer, curved by its radii, at finite
 /// strain, against the object's radii.
 reference::FemProblem whole_finger(const ContactProblem& problem, const Shapes& shapes,
                                    double load_N) {

@@ -118,6 +118,20 @@ std::vector<std::string> join_vectors(std::vector<std::string> words) {
   return words;
 }
 
+namespace {
+
+/// Where the choice of a model is made for a command without --model; else empty.
+std::string model_hint(const std::string& option, const std::string& command) {
+  if (option != "--model" && option != "--models") return "";
+  if (command == "sweep") return ": the models are a key of the file, [sweep] models = [\"hertz\"]";
+  if (command == "simulate")
+    return ": the model is a key of the scene, [[contact]] bodies = [\"*\", \"*\"], model = "
+           "\"hertz\"";
+  return ": predict, select, export, apply and calibrate take a choice of models";
+}
+
+}  // namespace
+
 void refuse_unknown_words(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* command = nullptr;
   std::vector<std::string> known;
@@ -143,9 +157,11 @@ void refuse_unknown_words(const CLI::App& app, const std::vector<std::string>& w
       for (const std::string& name : long_options(*command)) options.push_back(name);
     if (std::find(options.begin(), options.end(), typed) != options.end()) continue;
     const std::string name = command ? "softfinger " + command->get_name() : "softfinger";
+    const std::string hint = model_hint(typed, command ? command->get_name() : "");
     throw InputError("command line",
                      "unknown option \"" + text::shortened(typed) + "\" of " + name +
-                         text::did_you_mean(typed, options) + " (see " + name + " --help)",
+                         (hint.empty() ? text::did_you_mean(typed, options) : hint) + " (see " +
+                         name + " --help)",
                      "", "");
   }
 }

@@ -237,6 +237,8 @@ std::optional<int> parse(int argument_count, char** arguments, Options& options,
       "  mpirun -np 64 softfinger-sweep my_sweep.toml --output my_sweep\n"
       "  mpirun -np 64 softfinger-sweep --atlas error_atlas.csv --output atlas_runs");
   commands::add_demand(app, options.demand);
+  for (const char* of_sweep : {"--tolerance", "--quantities"})
+    app.get_option(of_sweep)->excludes(atlas);
   commands::prepare_options(app);
   try {
     app.parse(argument_count, arguments);

@@ -5,7 +5,8 @@
 namespace softfinger::experiments {
 namespace {
 
-/// Fails as soon as one number of the theory does. It agrees where all that can be told agree.
+/// Verdict of all findings: fails as soon as one number of the theory does, and agrees where all
+/// that can be decided agree.
 Verdict combined(const std::vector<Finding>& findings) {
   Verdict verdict = Verdict::cannot_tell;
   for (const Finding& finding : findings) {

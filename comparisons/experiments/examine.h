@@ -25,7 +25,7 @@ struct Interval {
 
 /// Weight of a finding in the verdict on the data set.
 enum class Role {
-  theory,  ///< what the project takes unless told otherwise: it decides the data set's verdict
+  theory,  ///< the project's default: it decides the data set's verdict
   option,  ///< what the project offers beside it
   rival    ///< a simpler theory, to see whether the test can tell them apart
 };

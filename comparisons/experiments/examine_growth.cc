@@ -104,7 +104,7 @@ void test_exponents(const Growth& growth, Sizes& sizes_of, Examined& examined) {
       growth.exponent_uncertainty ? "." : "; how certain the exponent is is not known.";
 }
 
-/// The two readings of a published a = c P^gamma with a pressure exponent k.
+/// The two interpretations of a published a = c P^gamma with a pressure exponent k.
 enum class Reading {
   radius,  ///< c P^gamma is the radius
   torque   ///< c was identified from torques: e_n = 2 (xi nu)_k c P^gamma is what was measured
@@ -121,7 +121,7 @@ double torque_arm_of_power_law(double k) {
                   std::lgamma(3 / k + 1));
 }
 
-/// One reading of a law, as measurements of a finger.
+/// One interpretation of a law, as measurements of a finger.
 struct MeasuredLaw {
   const LawCalibration& data;
   Reading reading;
@@ -335,9 +335,8 @@ void test_assumed_pressure(const Growth& growth, Sizes& sizes, Examined& examine
   examined.findings.push_back(finding);
 }
 
-/// In the second reading it is the eccentricity that has the law's exponent. Then a/h is another
-/// one than where the exponent is taken for the radius's, which match_at_one_load does in both
-/// readings.
+/// In the second interpretation the eccentricity has the law's exponent. This gives another a/h
+/// than taking the exponent for the radius's, which match_at_one_load does in both interpretations.
 void match_by_eccentricity(const Growth& growth, Examined& examined) {
   const LawCalibration& data = *growth.calibration;
   const GrowthLaw& law = growth.laws.front();

@@ -72,7 +72,7 @@ std::string with_interval(const Interval& interval, const std::string& unit) {
                      number(interval.high), value.substr(end));
 }
 
-/// One line for each number; those that have several readings with all of them.
+/// One line for each number, with all interpretations where there are several.
 std::string inferred_text(const std::vector<Inferred>& inferred) {
   std::string text;
   std::set<std::pair<std::string, std::string>> written;
@@ -125,7 +125,17 @@ json to_json(const std::vector<Examined>& examined) {
 }
 
 std::string table(const std::vector<Examined>& examined) {
+  const auto count = [&](Verdict verdict) {
+    return std::count_if(examined.begin(), examined.end(),
+                         [&](const Examined& one) { return one.verdict == verdict; });
+  };
+  // One data set is its own answer.
   std::string text;
+  if (examined.size() > 1)
+    text =
+        fmt::format("The theory agrees with {} of {} data sets and fails on {}; {} cannot tell.\n",
+                    count(Verdict::agrees), examined.size(), count(Verdict::fails),
+                    count(Verdict::cannot_tell));
   for (const Examined& one : examined)
     text +=
         fmt::format("{:<12} {:<24} {}\n", words_of(one.verdict), one.experiment.id, one.sentence);

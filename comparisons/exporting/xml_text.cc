@@ -128,7 +128,8 @@ class Places {
   std::vector<std::unique_ptr<XmlElement>> elements_;
 };
 
-/// Lines, values and texts as tinyxml2 reads them; false where the two readings differ.
+/// Takes lines, values and texts from tinyxml2; false where it reads other elements or
+/// attributes than we do.
 bool adopt(const tinyxml2::XMLElement* read, std::vector<std::unique_ptr<XmlElement>>& elements) {
   std::size_t at = 0;
   // In the order of the file, without recursion.

@@ -15,7 +15,7 @@ namespace softfinger::input {
 struct FrictionLaw {
   std::string_view name;         ///< as in scene files: friction = "..."
   std::string_view description;  ///< what it is and how exact, for people
-  FrictionRule solver_rule;      ///< how the contact solver is told
+  FrictionRule solver_rule;      ///< its form in the contact solver
   /// Builds the law's limit for a contact ellipse (arguments as for SurfaceShape). Null: the limit
   /// has the same shape, without units, for all ellipses.
   std::unique_ptr<const FrictionShape> (*shape)(double aspect, double exponent);

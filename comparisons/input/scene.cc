@@ -899,9 +899,9 @@ Eigen::MatrixXd loop_equations(const Multibody& bodies) {
   return all;
 }
 
-/// Gives the joints the velocities that are typed for the bodies on them. A key that is not there
-/// leaves it to the others; joints of which nothing is told are at rest. Loops stay closed: what a
-/// body does is passed on through them, and what they do not let it do is refused.
+/// Gives the joints the velocities that are typed for the bodies on them. A missing key leaves that
+/// velocity to the other bodies; joints without any typed velocity are at rest. Loops stay closed:
+/// they pass motion on, and a velocity that they do not allow is refused.
 void SceneReader::start_joints(Multibody bodies) {
   struct Typed {
     int body;

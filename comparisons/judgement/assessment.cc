@@ -206,7 +206,7 @@ Assessment assess_numbers(const input::Case& contact_case,
     return result;
   }
   Prediction told = answer.prediction;
-  // The bound is of the torque that is told, whichever rule it comes from.
+  // The bound is that of the stated torque, whichever rule it comes from.
   told.torque_arm_exact_m = answer.eccentricity_m(rule);
   const ErrorBound bound = error_bound(answer.problem, told);
   if (!bound.known) {
@@ -257,7 +257,7 @@ Assessment assess_finite_elements(const input::Case& contact_case,
     return result;
   }
   if (geometry.patch) {
-    // They press the mesh itself, and find by other readings of it what its facets leave open.
+    // They press the mesh itself, and find by perturbed scans what its facets leave open.
     result.bound.reset();
     result.determined = result.usable = false;
     result.evidence =

@@ -13,7 +13,7 @@ namespace softfinger::judgement {
 bool is_stack(const input::Case& contact_case);
 
 /// @param answer     of the case's contact
-/// @param rule       by which the torque is told
+/// @param rule       by which the torque is stated
 /// @param demand     what an answer has to meet to be usable
 prediction::Assessment assess(const input::Case& contact_case,
                               const prediction::LocalGeometry& geometry,

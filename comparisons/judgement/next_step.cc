@@ -263,6 +263,10 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
         "radii_mm";
     return result;
   }
+  if (refusal.field() == "near_mm" || refusal.field() == "point_mm") {
+    result.step = "softfinger mesh FILE lists points of its surface";
+    return result;
+  }
   result.step = nearest_point(contact_case, resolver, load_N, demand);
   if (result.step.empty()) result.step = other_load(contact_case, resolver, load_N, demand);
   result.step = with_alternative(result.step, contact_case);

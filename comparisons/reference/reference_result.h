@@ -60,7 +60,7 @@ struct ReferenceResult {
   bool coarse = false;                            ///< stopped before the level that was asked for
   ReferenceErrors error;                          ///< of the elements
   std::optional<ReferenceErrors> geometry_error;  ///< what a scan's facets and noise leave open
-  /// A scan's, where one of its readings could not be pressed.
+  /// Whether `geometry_error` is unknown because a perturbed scan could not be pressed.
   bool is_geometry_unknown = false;
   std::vector<ReferenceLevel> levels;  ///< at least one
   PressureProfile along_x, along_y;

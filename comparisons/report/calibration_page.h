@@ -5,9 +5,9 @@
 
 namespace softfinger::report {
 
-/// The page of `softfinger calibrate`: what was found and what cannot be told, data and fit with
-/// its band, residuals, confidence, models compared. From the object described in README.md of this
-/// folder; values may be null or missing.
+/// Page of `softfinger calibrate`: what was found and what stays unknown, data and fit with its
+/// band, residuals, confidence, models compared. Made from the object described in README.md of
+/// this folder; values may be null or missing.
 /// @throws std::invalid_argument when `calibration` has no object `parameters`
 std::string render_calibration(const nlohmann::json& calibration);
 

@@ -421,5 +421,5 @@ const Charts = (() => {
     return () => figures.forEach((figure) => figure.width && draw(figure, figure.width));
   }
 
-  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked, start};
+  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked, start};
 })();

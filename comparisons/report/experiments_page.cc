@@ -83,7 +83,7 @@ Html findings_table(const Json& findings) {
                          rows);
 }
 
-/// A row for each number; a column for each reading of the publication.
+/// A row for each number; a column for each interpretation ("reading") of the publication.
 Html inferred_table(const Json& inferred) {
   std::vector<std::string> readings;
   for (const Json& one : inferred)

@@ -91,7 +91,11 @@ Html formatted(std::string_view format, const std::vector<HtmlArgument>& argumen
 /// escaped text, numbers and markup. @throws fmt::format_error for a place without an argument.
 template <std::size_t size, typename... Arguments>
 Html html(const char (&format)[size], const Arguments&... arguments) {
-  return formatted({format, size - 1}, {HtmlArgument(arguments)...});
+  // No braced list: GCC 12 destroys elements that it has not made when one of the list throws.
+  std::vector<HtmlArgument> list;
+  list.reserve(sizeof...(arguments));
+  (list.emplace_back(arguments), ...);
+  return formatted({format, size - 1}, list);
 }
 
 /// The parts with `separator` between them.

@@ -24,7 +24,7 @@ std::vector<std::string> model_names(const Json& report) {
 }
 
 Style style_of_place(std::size_t place) {
-  // Colour and dash pattern differ together, so that curves can be told apart in grey print too.
+  // Colour and dash pattern differ together, so that curves differ in grey print too.
   static constexpr std::array<const char*, 8> kDashes{"none", "7 3",       "2 2.5", "9 3 2 3",
                                                       "12 3", "5 2 1.5 2", "4 4",   "1.5 4"};
   const char* dash = kDashes[place % kDashes.size()];

@@ -22,8 +22,8 @@ class CollisionError : public std::runtime_error {
 /// contacts get the points that hold them: corners, points of a rim, ends of a line
 /// (flat_contact.h). FCL finds the pairs of shapes and, of shapes that are no meshes, the nearest
 /// points from which both start; those of meshes come from their own triangles (triangle_tree.h).
-/// How a mesh bends is told by a quadric (Ciocarlie et al. 2007, eq. 7) where one fits it, and how
-/// far away it is by the mesh itself.
+/// The curvature of a mesh is that of a quadric (Ciocarlie et al. 2007, eq. 7) where one fits it,
+/// and its distance that of the mesh itself.
 class CollisionDetector {
  public:
   explicit CollisionDetector(const input::Scene& scene);

@@ -10,8 +10,8 @@
 
 namespace softfinger::simulation {
 
-/// A simulation under the control of another program: one JSON object per line, both ways, SI
-/// units.
+/// A simulation under the control of another program: one JSON object per line in either
+/// direction, SI units.
 ///
 /// A state is written at the start, after the steps asked for, and at the scene's end: "time_s",
 /// "ended", "bodies" and "contacts" as `softfinger simulate --json` has them, "joints" with

@@ -136,13 +136,13 @@ std::optional<TouchingPoint> find_elliptic_contact(const ShapePair& pair, const 
   point.b = pair.b.body;
   point.id = pair.first_id + slot::kElliptic;
   point.point_m = (at_a.point_m + at_b.point_m) / 2;
-  // The quadric of a mesh tells how it bends, and the mesh itself how far away it is.
+  // The quadric of a mesh gives its curvature, and the mesh itself its distance.
   const bool has_mesh = fits[0] || fits[1];
   point.gap_m = has_mesh ? nearest.gap_m : meeting->normal.dot(at_b.point_m - at_a.point_m);
   point.elliptic = true;
   point.radii = {1 / principal.eigenvalues()[0], 1 / principal.eigenvalues()[1], 0};
   const Matrix2d& to_axes = principal.eigenvectors();
-  // The second axis is told by the first and the normal.
+  // The second axis follows from the first and the normal.
   const double side = to_axes.determinant();
   const Matrix2d of_a = to_axes.transpose() * meeting->curvature_of_a * to_axes;
   point.curvature_of_a = {of_a(0, 0), of_a(1, 1), side * of_a(0, 1)};

@@ -137,7 +137,7 @@ class SceneContacts final : public ContactFinder {
     const auto soft = soft_contact(scene_, point.a, point.b, point.radii);
     if (!soft) return;
     ContactProblem problem = *soft;
-    // The layer is bent over the body that carries it.
+    // The layer follows the curvature of the body that carries it.
     const SurfaceCurvature& of_a = point.curvature_of_a;
     const bool a_is_finger = scene_.bodies[std::size_t(point.a)].layer.has_value();
     problem.finger_curvature =

@@ -6,8 +6,9 @@
 
 namespace softfinger::fem {
 
-/// Lines of progress from several threads, told in the order in which one thread tells them: a line
-/// waits while an earlier part of the work may still tell something. Copies share a place.
+/// Lines of progress from several threads, written in the order in which one thread would write
+/// them: a line waits while an earlier part of the work may still write something. Copies share a
+/// place.
 class OrderedProgress {
  public:
   /// @param tell  is called by any thread, but never by two at a time
@@ -15,10 +16,10 @@ class OrderedProgress {
 
   void operator()(const std::string& line) const;
 
-  /// A place for another thread's lines, after what this one has told so far. What this one tells
-  /// from now on waits until that place is closed, or it and its copies are gone.
+  /// A place for another thread's lines, after what this one has written so far. Later lines of
+  /// this one wait until that place is closed, or it and its copies are gone.
   OrderedProgress place() const;
-  /// Nothing more is told here.
+  /// Ends the place: no more lines follow here.
   void close() const;
 
  private:

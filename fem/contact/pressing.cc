@@ -284,8 +284,8 @@ Outcome<Pressed, FoldedLayer> press_on(std::shared_ptr<const LayerModel> model,
   const auto& nodes = pressed.model->nodes();
   const auto count = static_cast<Index>(nodes.size());
   pressed.gap.resize(count);
-  // On a bent layer contact forces and displacements are along the surface's normals n. In terms of
-  // the forces' components along the load, n_z N, and of what nodes sink along it, w / n_z, the
+  // On a curved layer contact forces and displacements are along the surface's normals n. In terms
+  // of the forces' components along the load, n_z N, and of what nodes sink along it, w / n_z, the
   // problem is that of a flat layer with the compliance C_ij / (n_z,i n_z,j).
   Eigen::VectorXd& cosine = pressed.cosine;
   cosine.resize(count);

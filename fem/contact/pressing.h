@@ -29,11 +29,12 @@ struct Pressing {
   double thickness_m = 1;
   double unit_of_force_N = 1;  ///< E h²
   Fingertip fingertip;         ///< none: a flat layer, and the gap of the relative radii
-  FingertipShape bent;
-  std::shared_ptr<const meshes::LayerMesh> mesh;  ///< from outside; null: the flat or bent block's
+  FingertipShape bent;         ///< curved ("bent") layer; without a shape where it is flat
+  std::shared_ptr<const meshes::LayerMesh>
+      mesh;  ///< from outside; null: the flat or curved block's
   bool moves_off_centre =
       false;                   ///< at finite strain: friction follows motions that no mirror keeps
-  bool rubs_deformed = false;  ///< friction follows at finite strain
+  bool rubs_deformed = false;  ///< friction follows at finite strain, on the deformed layer
 
   /// Elastic constants of the sublayers, or of the homogeneous layer.
   std::vector<ElasticConstants> materials() const;
@@ -54,7 +55,7 @@ struct Pressing {
 };
 
 /// The problem in the units of its layer.
-/// @param ways  to a scan's core
+/// @param ways  rule for the core of a scan
 /// @throws InputError where the layer is too thick for the pad's curvature
 Pressing pressing_of(const Problem& problem, CoreWays ways = CoreWays::smoothed);
 

@@ -67,7 +67,7 @@ class Corrector {
     Solving solving(correcting_.mesh, correcting_.progress), of_coarser;
     OnMesh on_mesh;
     OnCoarser on_coarser;
-    std::vector<std::string> told;  // after what the other mesh tells, whichever is faster
+    std::vector<std::string> told;  // after the other mesh's lines, whichever is faster
     if (correcting_.coarser) {
       of_coarser =
           Solving(*correcting_.coarser, [&](const std::string& line) { told.push_back(line); });
@@ -162,7 +162,7 @@ class Corrector {
     return result;
   }
 
-  /// Solves on the coarser mesh. If only that mesh does not bear a state, the state is told and
+  /// Solves on the coarser mesh. If only that mesh does not bear a state, the state is reported and
   /// left out.
   void if_it_goes(const Solving& solving, const std::function<void()>& solve) const {
     try {

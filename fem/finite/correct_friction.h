@@ -23,9 +23,9 @@ struct FrictionMesh {
 /// Finds what superposed motions neglect of friction, by solving its states on the deformed layer.
 struct FrictionCorrecting {
   FrictionMesh mesh;
-  /// One with fewer elements per semi-axis, where there is one. It tells how much of what is
-  /// neglected of the twist depends on the mesh. What is neglected of the limit surface, a small
-  /// part of a wrench, is told by the one of both that has fewer unknowns.
+  /// Mesh with fewer elements per semi-axis, where there is one. It shows how much the neglected
+  /// part of the twist depends on the mesh. The neglected part of the limit surface, a small part
+  /// of a wrench, is computed on the mesh with fewer unknowns.
   std::optional<FrictionMesh> coarser = std::nullopt;
   double refinement = 1;   ///< cells of `mesh` over those of `coarser`, along a semi-axis
   bool has_room = false;   ///< whether a larger patch can be meshed

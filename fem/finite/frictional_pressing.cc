@@ -399,7 +399,7 @@ void FrictionalPressing::move_to(const PlaneMotion& motion) {
 /// Goes from 0 to 1 in steps, in shorter ones where they do not converge.
 /// @param length  of the first step, becomes that of a next one
 /// @param enough  where a step does not converge beyond this and there are two already, it ends
-/// @param try_share  told whether it tries the same step again, then without a tangent
+/// @param try_share  tries a step; `again` where it is the same step once more, without a tangent
 /// @returns how far it came
 double FrictionalPressing::advance(double& length, double shortest, double enough,
                                    const std::function<bool(double, bool again)>& try_share,

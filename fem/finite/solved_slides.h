@@ -24,7 +24,7 @@ class SolvedSlides {
   /// @param has_room  as of FrictionalPressing
   /// @param force, torque  largest ones, which wrenches are relative to
   /// @param aim            share of friction to solve slides to, 0 to 1
-  /// @param on_failure     told why a slide was not solved to the end
+  /// @param on_failure     called with the reason why a slide was not solved to the end
   /// @param tangent        the pressed one's `superposed_stiffness`; empty: it is found
   /// @throws ConvergenceError where the pressed state is not stable against shear
   SolvedSlides(FinitePressing& pressed, const FrictionBound& bound, bool has_room, double force,

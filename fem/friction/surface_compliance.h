@@ -43,9 +43,9 @@ enum class Blocks { all, without_tangential };
 /// The surface's compliance among the points of a whole contact, composed of the problems of what
 /// is meshed.
 ///
-/// On a bent layer the contact lies in the object's plane, square to the load, as the pressed layer
-/// does: a point's normal force is the component along the load, its displacement what its surface
-/// sinks by along the load; its tangential forces and displacements are those along its own
+/// On a curved layer the contact lies in the object's plane, square to the load, as the pressed
+/// layer does: a point's normal force is the component along the load, its displacement what its
+/// surface sinks by along the load; its tangential forces and displacements are those along its own
 /// tangents, turned into that plane by the smallest rotation. So mu P bounds the force of friction,
 /// and the torque at full slip is that of the pressure.
 ///

@@ -50,7 +50,7 @@ Lattice plan_lattice(const LayerDiscretisation& discretisation, double coarsest)
       std::max(discretisation.a + discretisation.extent, block.inner_x + 2 * block.cell_x);
   block.length_y =
       std::max(discretisation.b + discretisation.extent, block.inner_y + 2 * block.cell_y);
-  // A bent layer ends at its reach; near it even the coarsest cells are small enough to fit.
+  // A curved layer ends at its reach; near it even the coarsest cells are small enough to fit.
   const auto fit = [](double inner, double reach, double& cell, double& length) {
     length = std::min(length, reach);
     const double usable = LayerDiscretisation::usable_reach * length;

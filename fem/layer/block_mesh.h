@@ -7,7 +7,7 @@
 #include "fem/problem/mirror_planes.h"
 #include "meshes/generation/layer_block.h"
 
-/// Our own mesh of a layer: a flat block of hexahedra, which is bent onto the finger later.
+/// Our own mesh of a layer: a flat block of hexahedra, which is mapped onto the finger later.
 /// Internal to this room.
 namespace softfinger::fem {
 

@@ -19,7 +19,8 @@ class ElementStiffness {
  public:
   /// @param element        three components of FE_Q(2)
   /// @param poisson_ratio  0 <= nu < 1/2
-  /// @param bent           no two elements of a bent layer are similar: each is integrated
+  /// @param bent           whether the layer is curved: no two elements are similar, each is
+  ///                       integrated
   ElementStiffness(const dealii::Mapping<dim>& mapping, const dealii::FiniteElement<dim>& element,
                    double poisson_ratio, bool bent);
 

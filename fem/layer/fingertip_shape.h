@@ -9,10 +9,10 @@
 
 namespace softfinger::fem {
 
-/// The rule for the ways from a scan's surface to its core where the finger bends more sharply than
-/// one over the thickness and its normals cross in the layer.
+/// Rule for the lines ("ways") from a scan's surface to its core where the finger's curvature
+/// exceeds one over the thickness, so that its normals cross in the layer.
 enum class CoreWays {
-  smoothed,         ///< as little as is necessary
+  smoothed,         ///< no more than necessary
   eroded,           ///< to the finger eroded by the thickness, which has a ridge there
   eroded_nearer,    ///< towards places half as much deeper
   eroded_smoother,  ///< and with directions smoothed over twice the length
@@ -40,8 +40,8 @@ struct FingertipShape {
   FingertipShape seen_from(const Eigen::Vector2d& place) const;
 };
 
-/// A way to read a scan's triangles. How far the answers of other readings differ tells what facets
-/// and noise may change.
+/// A scan's triangles as they are taken: by default unperturbed, else a perturbed scan. How far the
+/// answers of perturbed scans differ estimates the error by facets and noise.
 struct Reading {
   /// Factor on the length over which facets are smoothed: half the thickness, or an edge where
   /// these are longer.

@@ -27,7 +27,7 @@ struct LayerModel::Implementation : LayerSpace {
   std::vector<ElasticConstants> sublayers;
   dealii::SparsityPattern pattern;
   dealii::SparseMatrix<double> stiffness;  ///< without the symmetries
-  std::vector<Eigen::Matrix3d> frames;     ///< of a bent layer's surface nodes
+  std::vector<Eigen::Matrix3d> frames;     ///< of a curved layer's surface nodes
   Unknowns even;                           ///< of the problem that pressing solves
   std::unique_ptr<CholeskyFactor> factor;  ///< none where it is condensed to all displacements
   Eigen::MatrixXd compliance;

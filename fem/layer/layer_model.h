@@ -42,8 +42,8 @@ enum class Along {
   all,      ///< three per node: along its tangents, and into the layer
 };
 
-/// Whether friction may act on a node: it is condensed to all of its displacements, others to that
-/// into the layer.
+/// Whether friction may act on a node ("it rubs"). Such a node is condensed to all of its
+/// displacements, others to the one into the layer.
 using Rubs = std::function<bool(const SurfaceNode&)>;
 inline bool none_rubs(const SurfaceNode&) { return false; }
 inline bool all_rub(const SurfaceNode&) { return true; }
@@ -69,8 +69,8 @@ class LayerModel {
   /// @param sublayers  from the surface inwards, one more than interfaces
   /// @param shape      null: flat
   /// @param planes     of layer, object and load
-  /// @param rubs       of a whole layer only: one factorisation then serves pressing and friction
-  ///                   on these nodes
+  /// @param rubs       nodes on which friction may act, of a whole layer only: one factorisation
+  ///                   then serves pressing and friction
   /// @throws InputError where the shape folds an element, ConvergenceError from the factorisation
   LayerModel(const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
              std::shared_ptr<const LayerShape> shape = nullptr, MirrorPlanes planes = both_planes,
@@ -102,10 +102,10 @@ class LayerModel {
   const Eigen::MatrixXd& compliance() const;
 
   /// Displacement per unit force on what is meshed, fields of the given parity, for some of the
-  /// nodes: 3 x 3 blocks in the order x, y, z, where z points into the layer. On a bent layer they
-  /// are along each node's normal and the tangents that the smallest rotation makes of x and y.
-  /// Rows and columns of components that the parity fixes on the mirror planes are zero. Each call
-  /// factorises, unless the model is condensed to all displacements of the nodes.
+  /// nodes: 3 x 3 blocks in the order x, y, z, where z points into the layer. On a curved layer
+  /// they are along each node's normal and the tangents that the smallest rotation makes of x and
+  /// y. Rows and columns of components that the parity fixes on the mirror planes are zero. Each
+  /// call factorises, unless the model is condensed to all displacements of the nodes.
   Eigen::MatrixXd vector_compliance(Parity parity, const std::vector<int>& nodes) const;
   /// The compliances for several parities.
   std::vector<Eigen::MatrixXd> vector_compliances(const std::vector<Parity>& parities,

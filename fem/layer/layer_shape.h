@@ -10,7 +10,8 @@
 
 namespace softfinger::fem {
 
-/// The layer bent onto a finger: the image of a flat block in the contact's frame. Lengths in h.
+/// The curved ("bent") layer of a finger: the image of a flat block in the contact's frame. Lengths
+/// in h.
 class LayerShape {
  public:
   virtual ~LayerShape() = default;

@@ -46,7 +46,7 @@ struct LayerSpace {
 
   /// If a scan's layer folds everywhere at the contact, `folded` says so, and nothing else may be
   /// asked.
-  /// @param bent      null: flat
+  /// @param bent      shape of a curved layer; null: flat
   /// @param mirrored  at these planes only one side is meshed
   LayerSpace(const LayerDiscretisation& meant, const std::shared_ptr<const LayerShape>& bent,
              MirrorPlanes mirrored);
@@ -64,8 +64,9 @@ struct LayerSpace {
   std::shared_ptr<const LayerShape> shape;
   std::shared_ptr<const EdgeShape> to_edges;  ///< the same where it follows edges; else null
   MirrorPlanes planes;
-  bool meshed = false;             ///< from outside
-  dealii::Vector<double> bending;  ///< of a bent layer: from the block to the layer, per dof
+  bool meshed = false;  ///< from outside
+  dealii::Vector<double>
+      bending;  ///< of a curved layer: displacement from the block to the layer, per dof
   std::unique_ptr<dealii::Mapping<dim>> mapping;
   dealii::AffineConstraints<double> constraints;  ///< the bond and the hanging nodes
   std::vector<char> on_plane;   ///< per dof: bit 0 on the mirror plane x = 0, bit 1 on y = 0

@@ -13,7 +13,7 @@ struct LayerMesh;
 namespace softfinger::fem {
 
 /// Divides the mesh along sheets and halves its cells until those of the patch are small enough,
-/// with as few cells as these two ways can.
+/// with as few cells as these two operations allow.
 void triangulate(const meshes::LayerMesh& mesh, double thickness,
                  const LayerDiscretisation& discretisation,
                  dealii::Triangulation<dim>& triangulation);

@@ -7,7 +7,7 @@ namespace softfinger::fem {
 
 /// A node where the surface can be touched.
 struct SurfaceNode {
-  double x = 0, y = 0;  ///< in the block: arc lengths from the contact point on a bent layer
+  double x = 0, y = 0;  ///< in the block: arc lengths from the contact point on a curved layer
   double weight = 0;    ///< integral of its shape function over the block's surface, > 0
   double area_ratio = 1;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< in space

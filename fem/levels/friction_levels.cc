@@ -94,7 +94,7 @@ void twist(const PressedContact& contact, const SurfaceCompliance& surface,
            " % of the area at the last increment");
 }
 
-/// The limit surface, and ways to it.
+/// The limit surface, and paths to some of its points.
 void slide(const PressedContact& contact, const SurfaceCompliance& surface,
            const FrictionPlan& plan, const OrderedProgress& progress, FrictionOfLevel& result) {
   progress("friction: limit surface of " + std::to_string(plan.velocities.size()) + " points, " +

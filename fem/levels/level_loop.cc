@@ -186,7 +186,7 @@ class LevelLoop {
     choose_elements(mesh_, level);
     mesh_.elements_per_semi_axis *= level_refinement_;
     mesh_.patch *= room_;
-    // The coarse level has told how far friction moves the edge.
+    // It is known from the coarse level how far friction moves the edge.
     if (plan_)
       mesh_.patch =
           std::max(mesh_.patch, plan_->edge + spare_margin / mesh_.elements_per_semi_axis);
@@ -250,7 +250,7 @@ class LevelLoop {
   SolvedLevels solved_;
 };
 
-/// Solves the levels of a scan and what its readings leave open, which does not depend on them.
+/// Solves the levels of a scan, and the errors by perturbed scans, which do not depend on them.
 std::optional<Unsolved> solve_beside_readings(ContactPhysics& physics, const ContactTask& task,
                                               const Trial& trial, LevelLoop& levels,
                                               ScanErrors& errors) {
@@ -264,7 +264,7 @@ std::optional<Unsolved> solve_beside_readings(ContactPhysics& physics, const Con
     return std::nullopt;
   };
   if (!task.problem.friction.any()) return first_unsolved(read, [&] { return levels.solve(); });
-  // Friction takes most of the memory: the readings have given theirs back by then.
+  // Friction takes most of the memory: the perturbed scans have released theirs by then.
   if (const auto unsolved = read()) return unsolved;
   start.reset();
   return levels.solve();

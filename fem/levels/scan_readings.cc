@@ -19,17 +19,17 @@ namespace {
 /// A contact that is larger than its mesh was made for by this share still lies in the refined
 /// patch.
 constexpr double spare_size = 0.1;
-/// Meshes that are tried for one reading.
+/// Meshes that are tried for one perturbed scan.
 constexpr int most_meshes = 15;
 
-/// A perturbed scan: `reading(t)` applies the fraction t of the perturbation; `ways` picks the core
-/// rule.
+/// A perturbed scan: `reading(part)` applies that fraction of the perturbation; `ways` is the rule
+/// for its core.
 struct Other {
-  std::function<Reading(double part)> reading;  ///< none: the best one
+  std::function<Reading(double part)> reading;  ///< none: the unperturbed scan
   CoreWays ways;
 };
 
-/// @returns the change, or why this reading cannot be pressed
+/// @returns the change, or why this perturbed scan cannot be pressed
 Outcome<RelativeError, std::string> change_by(const Reading& reading, CoreWays ways,
                                               const ReadingStart& start, const ContactTask& task,
                                               const OrderedProgress& tell) {
@@ -42,7 +42,7 @@ Outcome<RelativeError, std::string> change_by(const Reading& reading, CoreWays w
   const auto pressed = start.press(other_task, start.mesh);
   if (!pressed) return message_of(pressed.reason());
   ContactPhysics* const physics = pressed->get();
-  // It touches first elsewhere, so that it may lie beside the patch that was refined.
+  // The perturbed contact may lie beside the refined patch, because it touches first elsewhere.
   const auto fits = [&] {
     const RoughSize size = physics->size();
     const LayerDiscretisation& mesh = physics->discretisation();
@@ -71,8 +71,8 @@ Outcome<RelativeError, std::string> change_by(const Reading& reading, CoreWays w
                        change(&LevelResult::load_N)};
 }
 
-/// If a layer would fold, less of the perturbation is made, and the change is taken to be in
-/// proportion.
+/// Change by a perturbation. If a layer would fold, a part of it is applied, and the change is
+/// taken to be in proportion.
 std::optional<RelativeError> change_or_less(const Other& other, const ReadingStart& start,
                                             const ContactTask& task, const OrderedProgress& tell) {
   constexpr double least_part = 0.25;
@@ -99,7 +99,7 @@ std::optional<RelativeError> change_or_less(const Other& other, const ReadingSta
   return std::nullopt;
 }
 
-/// Relative changes by other readings, on the trial mesh. None where one cannot be pressed.
+/// Relative changes by perturbed scans, on the trial mesh. None where one cannot be pressed.
 Changes changes_by(const std::vector<Other>& others, const ReadingStart& start,
                    const ContactTask& task) {
   Changes changes(others.size());

@@ -19,7 +19,7 @@ struct SolvedLevels {
   const LevelResult& fine() const { return results.back(); }
 };
 
-/// The errors that the readings of a scan leave open.
+/// Errors of a scan's contact, from perturbed scans.
 struct ScanErrors {
   RelativeError core;                     ///< by a core with a ridge
   std::optional<RelativeError> geometry;  ///< by facets and noise

@@ -16,7 +16,7 @@ namespace softfinger::fem {
 struct LayerIdentity {
   std::vector<ElasticConstants> sublayers;
   std::vector<double> interfaces;
-  std::string fingertip;  ///< a different text for each shape of bent layer over h; empty: flat
+  std::string fingertip;  ///< a different text for each shape of curved layer over h; empty: flat
   MirrorPlanes planes;
   int level = 2;  ///< as in `Problem`
 

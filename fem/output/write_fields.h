@@ -20,7 +20,7 @@ struct LayerFields {
   /// Non-zero at the normal displacements of the surface only.
   const dealii::Vector<double>& contact_pressure_Pa;
   const dealii::DataPostprocessor<dim>* of_displacement = nullptr;  ///< null: nothing more
-  std::string name_of_cells;                                        ///< empty: no field of cells
+  std::string name_of_cells = {};                                   ///< empty: no field of cells
   dealii::Vector<double> of_cells = {};
 };
 

@@ -148,7 +148,7 @@ double median(std::vector<double> values) {
 
 struct Options {
   int points = 200, level = 2;
-  int only = -1;  ///< number of the one point to press, and to be told about; all where negative
+  int only = -1;  ///< number of the one point to press and report; all where negative
   bool finite = false;
   std::vector<Finger> fingers;
 };

@@ -58,8 +58,8 @@ double force_limit_N(const Problem& problem) {
   return problem.contact.load.friction_coefficient * problem.contact.load.normal_force_N;
 }
 
-/// What a twist has to give, in units with G = a = mu P = 1: the torque at each angle, that of full
-/// slip, and the stiffness at the start.
+/// Expected results of a twist, in units with G = a = mu P = 1: the torque at each angle, that of
+/// full slip, and the stiffness at the start.
 struct ExpectedTwist {
   std::vector<double> angle, torque;
   double full_slip, stiffness;
@@ -273,8 +273,7 @@ Problem on_sphere(Problem problem) {
   return problem;
 }
 
-/// On a layer bent to a third of its radius, a contact far smaller than both is that of a
-/// half-space.
+/// A contact on a curved layer, h = R/3, that is far smaller than h and R is that of a half-space.
 Checks check_bent_half_space() {
   const HalfSpaceContact contact = half_space_contact(1, 0.3);
   const Problem problem = on_sphere(contact.problem);
@@ -292,7 +291,8 @@ Checks check_bent_half_space() {
                        neglected, reference)};
 }
 
-/// A layer bent slightly is the flat one; bending changes lengths by h/R through the thickness.
+/// A layer of slight curvature is the flat one; curvature changes lengths by h/R through the
+/// thickness.
 Checks check_bent_slightly() {
   constexpr double bending = 0.01;
   Problem flat;

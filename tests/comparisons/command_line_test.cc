@@ -162,7 +162,7 @@ TEST_F(CommandLine, RefusesAValueThatIsTypedTwice) {
                  {"one of them"});
   expect_refusal({"predict", "seed_thumb", "--set", "geometry.finger.unit=mm", "--set",
                   "geometry.finger={radii_mm=[9,8]}"},
-                 {"both say what geometry.finger is"});
+                 {"both say what geometry.finger.unit is"});
   expect_refusal({"simulate", "pinch", "--set", "body[0].mass_g=6", "--set", "body[0].mass_g=7"},
                  {"one of them"});
 }

@@ -1129,6 +1129,8 @@ TEST_F(Program, HoldsTheTheoryAgainstMeasurements) {
   EXPECT_GT(failed, 0);
   EXPECT_NE(file_text(folder.path() / "rubber.html").find("suntouch_v3"), std::string::npos);
 
+  EXPECT_EQ(run({"experiments"}).out.rfind("The theory agrees with ", 0), 0U);
+
   const ProgramRun one = run({"experiments", "suntouch_v3"});
   EXPECT_EQ(one.status, 0) << one.err;
   EXPECT_NE(one.out.find("h = 3.85 mm"), std::string::npos) << one.out;
@@ -1150,6 +1152,7 @@ TEST_F(Program, HoldsTheTheoryAgainstMeasurements) {
 }
 
 TEST_F(Program, ExploreWritesOnePageOrSaysWhatTheBuildLacks) {
+  EXPECT_EQ(run({"doctor"}).out.rfind("Nothing is missing", 0), 0U);
   const json findings = json::parse(run({"doctor", "--json"}).out)["findings"];
   const auto told = std::find_if(findings.begin(), findings.end(), [](const json& finding) {
     return finding["name"] == "page of explore";

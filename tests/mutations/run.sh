@@ -29,6 +29,14 @@ if [ "${1:-}" = --check ]; then
   [ "$rotten" -eq 0 ] && [ "$count" -gt 0 ]
   exit
 fi
+case "${1:-}" in
+  -*)
+    sed -n 's/^# \{0,1\}//; 5,6p' "$0"
+    [ "$1" = --help ] && exit 0
+    echo "tests/mutations/run.sh: $1: allowed are --check, --help and a part of a path" >&2
+    exit 2
+    ;;
+esac
 part=${1:-}
 work=$root/build/mutations
 

@@ -37,7 +37,7 @@ struct AtlasOptions {
   std::filesystem::path folder;  ///< keeps finished runs, so that the same command continues
   int jobs = 1;
   reference::FemLimits fem_limits;  ///< of each run
-  bool without_failed = false;      ///< runs that fail are left out and told
+  bool without_failed = false;      ///< runs that fail are left out and reported
   std::string command;
 };
 

@@ -68,7 +68,7 @@ Candidate candidate_of(const PressureModel& model, const input::Case& contact_ca
 }
 
 /// The time of a run on level 2 in seconds: the median of the atlas's runs of that kind. A scan is
-/// pressed again in other readings, on all of its layer: the median of 22 runs
+/// pressed again in perturbed versions, on all of its layer: the median of 22 runs
 /// (docs/measurements/finite_elements.md).
 double finite_element_cost_s(const input::Case& contact_case,
                              const prediction::LocalGeometry& geometry) {
