@@ -8,6 +8,7 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/number_option.h"
+#include "comparisons/commands/temporary_folder.h"
 #include "comparisons/simulation/simulate.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/process_pool.h"
@@ -20,26 +21,6 @@
 namespace softfinger::commands {
 namespace fs = std::filesystem;
 namespace {
-
-/// A folder for the time of its life.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "softfinger_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw InputError(name, "cannot be created", "", "");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO" as four words.
 std::vector<std::string> layer_words(const std::string& typed) {

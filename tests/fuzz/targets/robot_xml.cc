@@ -26,14 +26,14 @@ void apply_twice(const std::string& text, const std::string& finger,
   std::string once;
   try {
     XmlFile file(text, "fuzzed.xml");
-    exporting::apply_contact(file, {finger}, simulator, wanted);
+    exporting::apply_contact(file, {finger}, simulator, {wanted});
     once = file.text();
   } catch (const InputError&) {
     return;
   }
   try {
     XmlFile again(once, "written.xml");
-    exporting::apply_contact(again, {finger}, simulator, wanted);
+    exporting::apply_contact(again, {finger}, simulator, {wanted});
   } catch (const InputError&) {
     std::terminate();  // what was written is not read
   }
