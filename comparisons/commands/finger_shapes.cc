@@ -494,6 +494,7 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
   }
   const auto pads = read_pads(typed.pads, fingers);
   Fingers geometry(shapes, fingers, meshes);
+  std::map<std::string, input::Case> cases;  // of fingers that are alike
   std::vector<std::unique_ptr<ShapedFinger>> result;
   for (const exporting::FingerParts& finger : fingers) {
     const auto usable = geometry.usable(finger);
@@ -519,7 +520,10 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
         toml_number(long_mm), toml_number(short_mm), object);
     const bool has_friction = !numbers.friction.empty();
     if (!has_friction) text += "[contact]\nfriction_coefficient = 1\n";
-    input::Case made = input::parse_case(text, "command line", settings);
+    auto known = cases.find(text);
+    if (known == cases.end())
+      known = cases.emplace(text, input::parse_case(text, "command line", settings)).first;
+    input::Case made = known->second;
     made.id = input::id_of(finger.name);
     if (made.id.empty()) made.id = "finger";
     made.geometry_where = shape.element->where() + ": " + finger.name;
