@@ -115,10 +115,11 @@ Files files_to_write(const ApplyOptions& options, const XmlFile& model) {
   if (!is_folder(options.output)) {
     for (const XmlFile* part : parts)
       if (part != &model && !part->changes().empty())
-        throw InputError("command line", "--output", options.output,
-                         "a folder for MODEL and all that it includes, or --in-place: " +
-                             part->changes().front().element + " lies in " + part->where() +
-                             ", which MODEL includes");
+        throw InputError(
+            "command line", "--output", options.output,
+            "a folder for MODEL and all that it includes, or --in-place: " +
+                part->changes().front().element + " lies in " + part->where() +
+                fmt::format(":{}, which MODEL includes", part->changes().front().line));
     files.emplace_back(options.output, model.text());
     return files;
   }
@@ -157,6 +158,7 @@ bool leaves_files_behind(const XmlFile& file, const ApplyOptions& options) {
   const auto is_relative = [](const std::string& path) {
     return !path.empty() && path.front() != '/' && path.find("://") == std::string::npos;
   };
+  if (!is_folder(options.output) && file.files().size() > 1) return true;
   for (const exporting::XmlElement* element : file.elements()) {
     if (is_relative(element->value("file")) || is_relative(element->value("filename"))) return true;
     if (element->name == "uri" && is_relative(element->text)) return true;

@@ -585,11 +585,10 @@ void require_on_one_part(const ShapedFinger& finger, const exporting::ContactCur
   if (!(half_m > finger.pad->to_seam_m)) return;
   throw InputError(
       finger.shape.element->where(),
-      fmt::format(
-          "the contact of \"{}\", {:.3g} mm long, reaches the end of {} ({}), {:.3g} mm from "
-          "its middle",
-          text::shortened(finger.name), 2e3 * half_m, finger.pad->part, finger.shape_words,
-          1e3 * finger.pad->to_seam_m),
+      fmt::format("the contact of \"{}\", {:.3g} mm long, reaches beyond {} ({}), {:.3g} mm from "
+                  "its middle",
+                  text::shortened(finger.name), 2e3 * half_m, finger.pad->part, finger.shape_words,
+                  1e3 * finger.pad->to_seam_m),
       "", "a pad farther from there, by --pad, a smaller load, or a CASE with the pad's radii");
 }
 

@@ -476,7 +476,7 @@ TEST_F(Apply, RefusesPadsWithoutAnEllipse) {
   refuse({"--finger", "ball", "--object-radius-mm", "0"}, "--object-radius-mm");
   refuse({"--finger", "ball", "--thickness-mm", "2"}, "the layer once");
   // A tilted plane touches the end 0.2 mm beside the side, and the contact is 3 mm long.
-  refuse({"--finger", "rod", "--pad", "7,0,20.2"}, "reaches the end of");
+  refuse({"--finger", "rod", "--pad", "7,0,20.2"}, "reaches beyond an end of the capsule");
   for (const char* layer : {"2,300", "2,300,0.49,1", "2,300,0.6", "0,300,0.4", "a,b,c", "2,300,"})
     refuse({"--finger", "ball", "--layer", layer}, "--layer");
   EXPECT_EQ(run_softfinger(start, {"apply", "shapes.xml", "--finger", "ball", "--to", "mujoco"})
