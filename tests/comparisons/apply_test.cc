@@ -484,6 +484,39 @@ TEST_F(Apply, RefusesPadsWithoutAnEllipse) {
             false);
 }
 
+TEST_F(Apply, GuessesThatAPadFacesTheOtherFingers) {
+  // Two jaws slide along y, and a third finger stands beside them on a hinge of two sides.
+  folder.write(
+      "shapes.xml",
+      "<mujoco><compiler angle='radian'/><default><geom size='.01'/></default><worldbody>"
+      "<body name='hand'><body name='left' pos='0 .05 0'><joint type='slide' axis='0 1 0' "
+      "range='0 .04'/><geom name='left_tip'/></body><body name='right' pos='0 -.05 0' "
+      "euler='0 0 3.14159265358979'><joint type='slide' axis='0 1 0' range='0 .04'/>"
+      "<geom name='right_tip'/></body><body name='third' pos='.1 .05 0'><joint name='both' "
+      "axis='0 1 0' range='-1 1'/><geom name='third_tip'/></body></body></worldbody>"
+      "</mujoco>");
+  const auto pads_of = [&](const std::vector<std::string>& more) {
+    const ProgramRun run = apply_shapes(start, more);
+    EXPECT_EQ(run.status, 0) << run.err;
+    std::vector<std::string> pads;
+    const json report = json::parse(run.out);
+    for (const json& finger : report["fingers"]) pads.push_back(finger["pad"]);
+    return pads;
+  };
+  using Pads = std::vector<std::string>;
+  EXPECT_EQ(pads_of({"--finger", "left"}), Pads{"towards -y, which faces right"});
+  // The other jaw is turned by half a turn: its own -y faces the first.
+  EXPECT_EQ(pads_of({"--finger", "right"}), Pads{"towards -y, which faces left"});
+  EXPECT_EQ(pads_of({"--finger", "left", "--finger", "third"}),
+            (Pads{"towards +x, which faces third", "towards -x, which faces left"}));
+  // Both jaws lie in the middle at [0, 0, 0]: as far along x as half along y.
+  EXPECT_EQ(pads_of({"--finger", "third", "--finger", "left", "--finger", "right"})[0],
+            "towards [-0.89, -0.45, 0.00], which faces left, right");
+  // Unnamed ones count where no other finger is named.
+  EXPECT_EQ(pads_of({"--finger", "third"}),
+            Pads{"towards [-0.89, -0.45, 0.00], which faces left, right"});
+}
+
 TEST_F(Apply, PrintsTheLinesWhereMujocoReadsNoFriction) {
   const std::vector<std::string> arguments = {
       "apply",      "robot.urdf", "--finger", "tip",        "--pad", "+z",   "--layer",
