@@ -63,6 +63,7 @@ int run(int argc, char** argv) {
   commands::add_export(app, action);
   commands::add_explore(app, action, command_line);
   commands::add_apply(app, action);
+  commands::add_lint(app, action);
   commands::add_list(app, action);
   commands::add_explain(app, action);
   commands::add_lcp(app, action);

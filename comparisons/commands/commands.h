@@ -22,6 +22,7 @@ void add_experiments(CLI::App& app, Action& action, const std::string& command_l
 void add_export(CLI::App& app, Action& action);
 void add_explore(CLI::App& app, Action& action, const std::string& command_line);
 void add_apply(CLI::App& app, Action& action);
+void add_lint(CLI::App& app, Action& action);
 void add_list(CLI::App& app, Action& action);
 void add_explain(CLI::App& app, Action& action);
 void add_lcp(CLI::App& app, Action& action);

@@ -72,10 +72,14 @@ void add_contact_choice(CLI::App& command, ContactChoice& choice) {
                    "the lines also where the answer is not usable: nobody vouches for them");
 }
 
-input::Case read_contact_case(const ContactChoice& choice) {
+void check_contact_choice(const ContactChoice& choice) {
   choice.demand.demand();
   model_by_name(choice.model);
   load_choice(choice);
+}
+
+input::Case read_contact_case(const ContactChoice& choice) {
+  check_contact_choice(choice);
   CaseInput typed_case = choice.typed_case;
   if (typed_case.file.empty()) typed_case.load_N = choice.load;
   return read_case(typed_case);
@@ -83,9 +87,14 @@ input::Case read_contact_case(const ContactChoice& choice) {
 
 exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
                                           const ContactChoice& choice) {
+  return ask_contact_curve(contact_case, prediction::GeometryResolver(contact_case), choice);
+}
+
+exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
+                                          const prediction::GeometryResolver& resolver,
+                                          const ContactChoice& choice) {
   const PressureModel* const model = model_by_name(choice.model);
   const auto loads = exporting::choose_loads(contact_case.loads_N, load_choice(choice));
-  const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   return exporting::ask_contact_curve(contact_case, resolver, model, loads, choice.demand.demand());
 }

@@ -25,12 +25,20 @@ struct ContactChoice {
 /// options are add_case's, with a load of its own.
 void add_contact_choice(CLI::App& command, ContactChoice& choice);
 
-/// @throws InputError, also for an unknown model and for loads that are none
+/// Refuses an unknown model, and loads and demands that are none.
+/// @throws InputError
+void check_contact_choice(const ContactChoice& choice);
+
+/// @throws InputError as check_contact_choice, and for the case
 input::Case read_contact_case(const ContactChoice& choice);
 
 /// Remarks on meshes go to standard error.
 /// @throws InputError
 exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
+                                          const ContactChoice& choice);
+/// @param resolver  of the same case
+exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
+                                          const prediction::GeometryResolver& resolver,
                                           const ContactChoice& choice);
 
 /// The second line of an answer that is not usable.

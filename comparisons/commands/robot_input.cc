@@ -8,9 +8,12 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/number_option.h"
+#include "comparisons/commands/temporary_folder.h"
+#include "comparisons/simulation/simulate.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/process_pool.h"
 #include "comparisons/system/program_paths.h"
+#include "comparisons/text/alike_lines.h"
 #include "comparisons/text/number.h"
 #include "comparisons/text/robot_mesh_title.h"
 #include "softfinger/input/errors.h"
@@ -18,26 +21,6 @@
 namespace softfinger::commands {
 namespace fs = std::filesystem;
 namespace {
-
-/// A folder for the time of its life.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "softfinger_XXXXXX").string();
-    if (!mkdtemp(name.data())) throw InputError(name, "cannot be created", "", "");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// "BODY:THICKNESS_MM,YOUNGS_MODULUS_kPa,POISSON_RATIO" as four words.
 std::vector<std::string> layer_words(const std::string& typed) {
@@ -99,11 +82,26 @@ void add_robot(CLI::App& command, RobotInput& typed) {
       ->take_all();
   command.add_option("--write-scene", typed.write_scene,
                      "writes the scene made of a robot's file there (TOML), its meshes beside it");
+  command
+      .add_option("--package-path", typed.package_paths,
+                  "folder with the packages of a robot's file, repeatable: package://NAME/.. is "
+                  "looked for there, then above the file")
+      ->expected(1)
+      ->take_all();
+  command.add_flag("--verbose", typed.verbose,
+                   "lists remarks that are alike, instead of one with their number");
 }
 
 bool is_robot(const std::string& file) {
   const std::string suffix = text::lower_case(fs::path(file).extension().string());
-  return suffix == ".xml" || suffix == ".mjcf" || suffix == ".urdf" || suffix == ".sdf";
+  return suffix == ".xml" || suffix == ".mjcf" || suffix == ".urdf" || suffix == ".sdf" ||
+         suffix == ".xacro";
+}
+
+void remark_all(const std::vector<std::string>& lines, bool verbose) {
+  for (const std::string& line :
+       verbose ? lines : text::alike_as_one(lines, "--verbose lists them"))
+    remark(line);
 }
 
 input::Scene read_robot(const std::string& file, const RobotInput& typed,
@@ -118,12 +116,18 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
   if (is_robot(typed.write_scene) || suffix == ".stl" || suffix == ".obj")
     throw InputError("command line", "--write-scene", typed.write_scene,
                      "the name of a scene's file, such as scene.toml");
-  const fs::path scene_file =
-      writes ? fs::absolute(typed.write_scene) : temporary.path() / (input::id_of(file) + ".toml");
+  const fs::path scene_file = writes ? fs::absolute(typed.write_scene) : fs::path(file);
+  const fs::path draft = temporary.path() / (input::id_of(file) + ".toml");
   if (writes) system::make_writable_folder(scene_file.parent_path());
   system::ProcessJob job;
   job.command = {system::robot_program().string(), fs::absolute(file).string(),
                  temporary.path().string(), input::id_of(file)};
+  for (const std::string& folder : typed.package_paths) {
+    std::error_code error;
+    if (!fs::is_directory(folder, error))
+      throw InputError("command line", "--package-path", "\"" + folder + "\"", "a folder");
+    job.command.insert(job.command.end(), {"--package-path", fs::absolute(folder).string()});
+  }
   for (const std::string& layer : typed.finger_layers)
     for (const std::string& word : layer_words(layer)) job.command.push_back(word);
   job.time_limit_s = 120;
@@ -149,20 +153,22 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
                      outcome.exceeded == system::ProcessLimit::time     ? "after two minutes"
                      : outcome.exceeded == system::ProcessLimit::memory ? "at 4 GB"
                                                                         : "by a fault",
-                     "a robot's file that MuJoCo can read");
+                     "a robot's file of fewer or smaller parts");
   }
-  for (const std::string& line : lines) remark(line);
-  if (writes) {
+  remark_all(lines, typed.verbose);
+  const auto keep = [&] {
     write_scene(scene_file, outcome.output, temporary.path());
     remark("the scene is in " + typed.write_scene);
-  }
-  if (writes) return input::parse_scene(outcome.output, scene_file, settings);
+  };
+  input::Scene scene;
   try {
-    input::Scene scene = input::parse_scene(outcome.output, scene_file, settings);
-    scene.file = file;  // the other one is gone when the scene is simulated
-    return scene;
+    scene = input::parse_scene(outcome.output, draft, settings);
   } catch (const InputError& error) {
-    const std::string path = scene_file.string();
+    if (writes) {
+      keep();
+      input::parse_scene(outcome.output, scene_file, settings);  // names a line of what is kept
+    }
+    const std::string path = draft.string();
     if (error.where().rfind(path, 0) != 0) throw;
     const std::string line = error.where().substr(path.size());  // ":13", or nothing
     throw InputError(
@@ -171,6 +177,13 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
                     line.empty() ? "" : ", line " + line.substr(1), error.field()),
         error.value(), error.allowed());
   }
+  const simulation::SeparatedBodies separated = simulation::separate_overlapping_bodies(scene);
+  remark_all(separated.remarks, typed.verbose);
+  outcome.output += separated.tables;
+  scene.text += separated.tables;
+  if (writes) keep();
+  scene.file = scene_file;  // the draft is gone when the scene is simulated
+  return scene;
 }
 
 }  // namespace softfinger::commands

@@ -153,10 +153,11 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
 input::Scene read_scene(const SimulateOptions& options) {
   const input::Settings settings = settings_of(options.settings);
   if (is_robot(options.scene_file)) return read_robot(options.scene_file, options.robot, settings);
-  if (!options.robot.finger_layers.empty() || !options.robot.write_scene.empty())
-    throw InputError(
-        "command line", "SCENE", "\"" + options.scene_file + "\"",
-        "a robot's file with --finger-layer or --write-scene: .xml, .mjcf, .urdf, .sdf");
+  if (!options.robot.finger_layers.empty() || !options.robot.write_scene.empty() ||
+      !options.robot.package_paths.empty())
+    throw InputError("command line", "SCENE", "\"" + options.scene_file + "\"",
+                     "a robot's file with --finger-layer, --write-scene or --package-path: .xml, "
+                     ".mjcf, .urdf, .sdf");
   return input::read_scene(system::find_scene_file(options.scene_file), settings);
 }
 
@@ -165,8 +166,8 @@ int run_simulate(const SimulateOptions& options) {
     throw InputError("command line", "SCENE", "\"-\"",
                      "a file with --control, which takes its commands from standard input");
   const input::Scene scene = read_scene(options);
-  for (const std::string& line : scene.remarks) remark(line);
-  for (const std::string& line : simulation::overlap_remarks(scene)) remark(line);
+  remark_all(scene.remarks, options.robot.verbose);
+  remark_all(simulation::overlap_remarks(scene), options.robot.verbose);
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
   std::optional<Control> control;
@@ -247,7 +248,8 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
       "A scene has [simulation], [[body]], and may have [[layer]], [[joint]], [[loop]], [[motor]], "
       "[[force]]\nand [[contact]]; see the built-in ones and README.md. At most 1000 bodies "
       "(copies counted) "
-      "and as many joints, forces and\ncontacts, 100 shapes per body, 10000 times per table, a "
+      "and as many joints and forces,\n20000 contacts, 100 shapes per body, 10000 times per table, "
+      "a "
       "million steps, five million steps times bodies, 16 MiB.\n"
       "friction in [simulation] or [[contact]] names a law:\n" +
       laws +

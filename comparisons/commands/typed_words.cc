@@ -108,9 +108,11 @@ std::string in_words(const CLI::App& app, const CLI::ParseError& error) {
 std::vector<std::string> join_vectors(std::vector<std::string> words) {
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
     const std::string &flag = words[i], &value = words[i + 1];
-    const bool is_vector = (flag == "--point" || flag == "--normal" || flag == "--near") &&
-                           value.find(',') != std::string::npos;
-    const bool is_direction = flag == "--along" && value.size() == 2 && value[0] == '-';
+    const bool is_vector =
+        (flag == "--point" || flag == "--normal" || flag == "--near" || flag == "--pad") &&
+        value.find(',') != std::string::npos;
+    const bool is_direction =
+        (flag == "--along" || flag == "--pad") && value.size() == 2 && value[0] == '-';
     if (!is_vector && !is_direction) continue;
     words[i] += "=" + value;
     words.erase(words.begin() + static_cast<std::ptrdiff_t>(i) + 1);

@@ -8,7 +8,9 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <unordered_map>
 
+#include "comparisons/exporting/mjcf.h"
 #include "comparisons/exporting/simulators/drake.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/constants.h"
@@ -56,28 +58,33 @@ WantedElement value_of(RobotFormat format, const std::string& name, const std::s
 /// A part of the file that can be a finger, with the names that it may be called by.
 struct Part {
   const XmlElement* element = nullptr;
+  const XmlElement* owner = nullptr;  ///< body or link
   std::vector<std::string> names;
 };
 
-bool is_inside(const XmlElement& element, const char* ancestor) {
-  for (const XmlElement* parent = element.parent; parent; parent = parent->parent)
-    if (parent->name == ancestor) return true;
-  return false;
-}
+/// The parts of a file, and which of them have a name.
+struct Parts {
+  std::vector<Part> all;
+  std::unordered_map<std::string, std::vector<std::size_t>> by_name;
+};
 
 /// Geoms of bodies; collisions of links.
-std::vector<Part> parts_of(const XmlFile& file, RobotFormat format) {
-  std::vector<Part> parts;
+Parts parts_of(const XmlFile& file, RobotFormat format) {
+  Parts parts;
   for (const auto& element : file.elements()) {
     Part part;
-    part.element = element.get();
+    part.element = element;
+    part.owner = element->parent;
     const XmlElement* const parent = element->parent;
     if (!parent) continue;
     const std::string name = element->value("name"), owner = parent->value("name");
     if (format == RobotFormat::mjcf) {
-      if (element->name != "geom" || !is_inside(*element, "worldbody")) continue;
+      if (element->name != "geom" || !is_in_world(*element)) continue;
+      const XmlElement* const body = body_of(*element);
+      part.owner = body;
       if (!name.empty()) part.names.push_back(name);
-      if (parent->name == "body" && !owner.empty()) part.names.push_back(owner);
+      if (body->name == "body" && !body->value("name").empty())
+        part.names.push_back(body->value("name"));
     } else {
       if (element->name != "collision" || parent->name != "link") continue;
       if (!name.empty()) part.names.push_back(name);
@@ -92,7 +99,11 @@ std::vector<Part> parts_of(const XmlFile& file, RobotFormat format) {
         if (!name.empty()) part.names.push_back(scope + "::" + name);
       }
     }
-    parts.push_back(std::move(part));
+    for (const std::string& known : part.names) {
+      std::vector<std::size_t>& places = parts.by_name[known];
+      if (places.empty() || places.back() != parts.all.size()) places.push_back(parts.all.size());
+    }
+    parts.all.push_back(std::move(part));
   }
   return parts;
 }
@@ -108,94 +119,6 @@ std::string elsewhere(const XmlFile& file) {
 }
 
 double numeric(const std::string& text) { return std::strtod(text.c_str(), nullptr); }
-
-/// Parts of an MJCF file outside the geom that affect its contact: defaults, pairs, options.
-/// Collected once, so that asking for each geom costs no pass through the file.
-class Mjcf {
- public:
-  explicit Mjcf(const XmlFile& file) {
-    for (const auto& element : file.elements()) {
-      const XmlElement* const parent = element->parent;
-      if (element->name == "default") {
-        const bool is_main = parent == &file.root();
-        if (is_main) main_.push_back(element.get());
-        const std::string name = element->value("class");
-        if (!name.empty() && name != "main") classes_[name].push_back(element.get());
-      } else if (parent && parent->name == "contact" && element->name == "pair") {
-        for (const char* geom : {"geom1", "geom2"})
-          pairs_[element->value(geom)].insert(element.get());
-      } else if (parent && parent->name == "contact" && element->name == "exclude") {
-        excludes_.push_back(element.get());
-      } else if (element->name == "option" || (parent && parent->name == "option")) {
-        options_.push_back(element.get());
-      } else if ((element->name == "include" || element->name == "model") &&
-                 element->attribute("file")) {
-        unread_.push_back(element->value("file"));
-      }
-    }
-  }
-
-  /// An attribute of a geom or a pair, else of its class, else of one around that; empty: nowhere.
-  std::string value(const XmlElement& element, const char* name) const {
-    if (element.attribute(name)) return element.value(name);
-    for (const auto* defaults = defaults_of(element); defaults;) {
-      for (const XmlElement* of_class : *defaults)
-        for (const XmlElement* child : of_class->children)
-          if (child->name == element.name && child->attribute(name)) return child->value(name);
-      defaults = defaults == &main_ ? nullptr : defaults_around(*defaults->front());
-    }
-    return "";
-  }
-
-  /// The pairs that a geom is in.
-  const std::set<const XmlElement*>& pairs(const XmlElement& geom) const {
-    static const std::set<const XmlElement*> none;
-    const std::string name = geom.value("name");
-    const auto found = pairs_.find(name);
-    return name.empty() || found == pairs_.end() ? none : found->second;
-  }
-
-  /// The last <option> that states an attribute counts, and the last <flag>. Null: none does.
-  const XmlElement* option(const char* element, const char* attribute) const {
-    const XmlElement* last = nullptr;
-    for (const XmlElement* option : options_)
-      if (option->name == element && option->attribute(attribute)) last = option;
-    return last;
-  }
-  bool states(const char* element, const char* attribute, const char* value) const {
-    const XmlElement* const found = option(element, attribute);
-    return found && found->value(attribute) == value;
-  }
-
-  const std::vector<const XmlElement*>& excludes() const { return excludes_; }
-  /// Files that are a part of the model, but not of this text.
-  const std::vector<std::string>& unread() const { return unread_; }
-
- private:
-  using Elements = std::vector<const XmlElement*>;
-
-  /// Defaults of the class that the element names, else of the nearest childclass around it; null:
-  /// none.
-  const Elements* defaults_of(const XmlElement& element) const {
-    std::string name = element.value("class");
-    for (const XmlElement* body = element.parent; body && name.empty(); body = body->parent)
-      name = body->value("childclass");
-    if (name.empty() || name == "main") return main_.empty() ? nullptr : &main_;
-    const auto found = classes_.find(name);
-    return found == classes_.end() ? nullptr : &found->second;
-  }
-  const Elements* defaults_around(const XmlElement& of_class) const {
-    const XmlElement* const around = of_class.parent;
-    if (!around || around->name != "default") return nullptr;
-    const auto found = classes_.find(around->value("class"));
-    return found != classes_.end() && around->parent->name == "default" ? &found->second : &main_;
-  }
-
-  Elements main_, excludes_, options_;
-  std::map<std::string, Elements> classes_;
-  std::map<std::string, std::set<const XmlElement*>> pairs_;
-  std::vector<std::string> unread_;
-};
 
 /// The bits of contype or conaffinity, which are 1 where nothing is said.
 unsigned mask(const Mjcf& mjcf, const XmlElement& geom, const char* name) {
@@ -214,10 +137,10 @@ std::string why_untouched(const Mjcf& mjcf, const XmlElement& geom) {
 }
 
 /// @throws InputError where the file has switched off what the geoms' friction would do
-void check_flags(const XmlFile& file, const Mjcf& mjcf) {
+void check_flags(const Mjcf& mjcf) {
   const auto refuse = [&](const char* name, const char* value, const std::string& allowed) {
     if (!mjcf.states("flag", name, value)) return;
-    throw InputError(fmt::format("{}:{}", file.where(), mjcf.option("flag", name)->line),
+    throw InputError(mjcf.option("flag", name)->where(),
                      fmt::format("<flag {}=\"{}\"/>", name, value), "", allowed);
   };
   for (const char* flag : {"contact", "constraint"})
@@ -227,12 +150,18 @@ void check_flags(const XmlFile& file, const Mjcf& mjcf) {
          "geoms say");
 }
 
-/// The body of a geom, around the frames that only place it.
-const XmlElement* body_of(const XmlElement& geom) {
-  const XmlElement* body = geom.parent;
-  while (body->parent && body->name != "body" && body->name != "worldbody") body = body->parent;
-  return body;
-}
+/// Bodies, of which two are enough to say whether there is another one.
+struct OtherBodies {
+  const XmlElement *one = nullptr, *other = nullptr;
+
+  void add(const XmlElement* body) {
+    if (!one || one == body)
+      one = body;
+    else
+      other = body;
+  }
+  bool has_other_than(const XmlElement* body) const { return (one && one != body) || other; }
+};
 
 /// Notes on what else decides whether and how the fingers touch, a sentence each.
 std::vector<std::string> notes_about(const XmlFile& file, const Mjcf& mjcf,
@@ -256,24 +185,28 @@ std::vector<std::string> notes_about(const XmlFile& file, const Mjcf& mjcf,
         break;
       }
 
-  // Contype and conaffinity of the other bodies' geoms, each combination once.
-  std::map<std::pair<unsigned, unsigned>, std::set<const XmlElement*>> owners;
-  for (const auto& element : file.elements())
-    if (element->name == "geom" && is_inside(*element, "worldbody"))
-      owners[{mask(mjcf, *element, "contype"), mask(mjcf, *element, "conaffinity")}].insert(
-          body_of(*element));
+  OtherBodies with_type[32], with_affinity[32], any;
+  for (const XmlElement* element : file.elements()) {
+    if (element->name != "geom" || !is_in_world(*element)) continue;
+    const XmlElement* const body = body_of(*element);
+    any.add(body);
+    const unsigned type = mask(mjcf, *element, "contype");
+    const unsigned affinity = mask(mjcf, *element, "conaffinity");
+    for (unsigned bit = 0; bit < 32; ++bit) {
+      if ((type >> bit & 1u) != 0) with_type[bit].add(body);
+      if ((affinity >> bit & 1u) != 0) with_affinity[bit].add(body);
+    }
+  }
   std::set<std::string> untouched;
   for (const XmlElement* geom : geoms) {
-    if (!mjcf.pairs(*geom).empty()) continue;
+    const XmlElement* const body = body_of(*geom);
+    if (!mjcf.pairs(*geom).empty() || !any.has_other_than(body)) continue;
     const unsigned type = mask(mjcf, *geom, "contype"), affinity = mask(mjcf, *geom, "conaffinity");
-    bool has_others = false, touches = false;
-    for (const auto& [masks, bodies_with] : owners) {
-      if (bodies_with.size() == 1 && bodies_with.count(body_of(*geom)) > 0) continue;
-      has_others = true;
-      touches |= (type & masks.second) != 0 || (masks.first & affinity) != 0;
-    }
-    if (has_others && !touches)
-      untouched.insert(fmt::format("contype {} and conaffinity {}", type, affinity));
+    bool touches = false;
+    for (unsigned bit = 0; bit < 32; ++bit)
+      touches |= ((type >> bit & 1u) != 0 && with_affinity[bit].has_other_than(body)) ||
+                 ((affinity >> bit & 1u) != 0 && with_type[bit].has_other_than(body));
+    if (!touches) untouched.insert(fmt::format("contype {} and conaffinity {}", type, affinity));
   }
   for (const std::string& masks : untouched)
     notes.push_back("a finger touches no other body of the file: none fits its " + masks);
@@ -284,7 +217,7 @@ std::vector<std::string> notes_about(const XmlFile& file, const Mjcf& mjcf,
 std::string longer_names(const std::vector<Part>& parts, const std::string& finger) {
   std::map<std::string, std::set<const XmlElement*>> owners;
   for (const Part& part : parts)
-    for (const std::string& name : part.names) owners[name].insert(part.element->parent);
+    for (const std::string& name : part.names) owners[name].insert(part.owner);
   std::string text;
   std::set<const XmlElement*> named;
   const std::string end = "::" + finger;
@@ -292,27 +225,29 @@ std::string longer_names(const std::vector<Part>& parts, const std::string& fing
     for (const std::string& name : part.names) {
       const bool ends_so =
           name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
-      if (!ends_so || owners[name].size() > 1 || !named.insert(part.element->parent).second)
-        continue;
+      if (!ends_so || owners[name].size() > 1 || !named.insert(part.owner).second) continue;
       text += (text.empty() ? "; name it " : " or ") + text::shortened(name);
     }
   return text;
 }
 
 std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat format,
-                                               const Mjcf& mjcf, const std::vector<Part>& parts,
+                                               const Mjcf& mjcf, const Parts& parts,
                                                const std::string& finger) {
   std::vector<const XmlElement*> found;
-  std::set<std::string> owners;
-  for (const Part& part : parts) {
-    if (std::find(part.names.begin(), part.names.end(), finger) == part.names.end()) continue;
-    found.push_back(part.element);
-    owners.insert(std::to_string(part.element->parent->begin));
-  }
+  std::set<const XmlElement*> owners;
+  if (const auto named = parts.by_name.find(finger); named != parts.by_name.end())
+    for (const std::size_t place : named->second) {
+      found.push_back(parts.all[place].element);
+      owners.insert(parts.all[place].owner);
+    }
   const char* const kind = format == RobotFormat::mjcf ? "geom or body" : "collision or link";
   if (found.empty()) {
     std::vector<std::string> names;
-    for (const Part& part : parts) names.insert(names.end(), part.names.begin(), part.names.end());
+    std::set<std::string> known;
+    for (const Part& part : parts.all)
+      for (const std::string& name : part.names)
+        if (known.insert(name).second) names.push_back(name);
     if (names.empty())
       throw InputError(file.where(), "--finger " + text::shortened(finger), "",
                        fmt::format("a {} with a name: the file has none{}", kind, elsewhere(file)));
@@ -324,7 +259,7 @@ std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat 
   if (owners.size() > 1)
     throw InputError(file.where(), "--finger", "\"" + text::shortened(finger) + "\"",
                      fmt::format("one {}: {} have this name{}", kind, owners.size(),
-                                 longer_names(parts, finger)));
+                                 longer_names(parts.all, finger)));
   if (format != RobotFormat::mjcf) return found;
   const XmlElement& first = *found.front();
   found.erase(
@@ -332,8 +267,7 @@ std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat 
                      [&](const XmlElement* geom) { return !why_untouched(mjcf, *geom).empty(); }),
       found.end());
   if (found.empty())
-    throw InputError(fmt::format("{}:{}", file.where(), first.line), "--finger",
-                     "\"" + text::shortened(finger) + "\"",
+    throw InputError(first.where(), "--finger", "\"" + text::shortened(finger) + "\"",
                      "a geom that touches others: " + why_untouched(mjcf, first));
   return found;
 }
@@ -343,7 +277,7 @@ int largest_priority(const XmlFile& file, const std::vector<const XmlElement*>& 
   const std::set<const XmlElement*> except(fingers.begin(), fingers.end());
   double value = 0;
   for (const auto& element : file.elements())
-    if (element->attribute("priority") && except.count(element.get()) == 0)
+    if (element->attribute("priority") && except.count(element) == 0)
       value = std::max(value, numeric(element->value("priority")));
   return int(std::min(value, 1e6));
 }
@@ -363,16 +297,84 @@ struct Rolling {
   }
 };
 
-std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
-                                      const std::vector<const XmlElement*>& geoms,
-                                      const RobotContact& wanted) {
-  check_flags(file, mjcf);
-  const double mu = wanted.contact.friction_coefficient;
-  const double spin_m = wanted.contact.torque_per_load_m();
-  const int other_priority = largest_priority(file, geoms);
-  const std::string effect = wanted.torque_error + "; " + wanted.force_error;
+/// An element that is changed, and the contact that it gets.
+struct Wanted {
+  const XmlElement* element = nullptr;
+  const RobotContact* contact = nullptr;
+};
 
-  for (const XmlElement* geom : geoms) {
+std::string effect_of(const RobotContact& wanted) {
+  return wanted.torque_error + "; " + wanted.force_error;
+}
+
+/// A pair that the file defines has its own friction: that of the first finger in it.
+void change_pairs(XmlFile& file, const Mjcf& mjcf, const std::vector<Wanted>& fingers) {
+  std::set<const XmlElement*> changed_pairs;
+  for (const auto& [geom, wanted] : fingers)
+    for (const XmlElement* pair : mjcf.pairs(*geom)) {
+      if (!changed_pairs.insert(pair).second) continue;
+      const double mu = wanted->contact.friction_coefficient;
+      const double spin_m = wanted->contact.torque_per_load_m();
+      const Rolling rolling(mjcf, *pair, 3, 2);
+      WantedElement changed;
+      if (!rolling.has_any)
+        changed.attributes.push_back({"condim", "4", "a torque about the normal"});
+      changed.attributes.push_back({"friction",
+                                    fmt::format("{0} {0} {1} {2} {3}", number(mu), number(spin_m),
+                                                rolling.numbers[0], rolling.numbers[1]),
+                                    effect_of(*wanted)});
+      file.change(*pair, changed);
+    }
+}
+
+/// Whether a file is meant to be included: it has bodies directly under its root.
+bool is_part_of_a_model(const XmlFile& file) {
+  const auto& children = file.root().children;
+  return file.root().name == "mujocoinclude" ||
+         std::any_of(children.begin(), children.end(), [](const XmlElement* child) {
+           return child->name == "body" || child->name == "geom" || child->name == "frame";
+         });
+}
+
+/// The last <option> that states one counts.
+/// @param root  takes an <option> where there is none
+void change_options(XmlFile& file, WantedElement& root) {
+  const std::vector<Value> options = {
+      {"cone", "elliptic", "the friction ellipsoid; pyramids allow less"},
+      {"impratio", "10", "sticking friction is ten times as stiff"},
+      {"noslip_iterations", "5", "without them a held contact creeps"}};
+  std::vector<const XmlElement*> option_elements;
+  for (const XmlElement* child : file.root().children)
+    if (child->name == "option") option_elements.push_back(child);
+  std::vector<WantedElement> option_changes(option_elements.size());
+  WantedElement new_option = group("option", {});
+  for (const Value& option : options) {
+    std::size_t place = option_elements.size();
+    for (std::size_t i = 0; i < option_elements.size(); ++i)
+      if (option_elements[i]->attribute(option.name)) place = i;
+    const bool is_more =
+        place < option_elements.size() && option.name != "cone" &&
+        numeric(option_elements[place]->value(option.name)) >= numeric(option.value);
+    if (is_more) continue;
+    if (place == option_elements.size() && !option_elements.empty()) place = 0;
+    (option_elements.empty() ? new_option : option_changes[place]).attributes.push_back(option);
+  }
+  for (std::size_t i = 0; i < option_elements.size(); ++i)
+    file.change(*option_elements[i], option_changes[i]);
+  if (!new_option.attributes.empty()) root.children.push_back(new_option);
+}
+
+std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
+                                      const std::vector<Wanted>& fingers) {
+  check_flags(mjcf);
+  std::vector<const XmlElement*> geoms;
+  for (const Wanted& finger : fingers) geoms.push_back(finger.element);
+  const int other_priority = largest_priority(file, geoms);
+
+  for (const auto& [geom, contact] : fingers) {
+    const RobotContact& wanted = *contact;
+    const double mu = wanted.contact.friction_coefficient;
+    const double spin_m = wanted.contact.torque_per_load_m();
     WantedElement changed;
     const Rolling rolling(mjcf, *geom, 2, 1);
     if (!rolling.has_any)
@@ -385,7 +387,7 @@ std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
                                           "file"});
     changed.attributes.push_back(
         {"friction", fmt::format("{} {} {}", number(mu), number(spin_m), rolling.numbers[0]),
-         effect});
+         effect_of(wanted)});
     if (wanted.effective_mass_kg) {
       const MujocoSpring spring =
           mujoco_spring(wanted.contact.normal_stiffness_N_per_m, *wanted.effective_mass_kg);
@@ -402,70 +404,44 @@ std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
     file.change(*geom, changed);
   }
 
-  // A pair that the file defines has its own friction.
-  std::set<const XmlElement*> changed_pairs;
-  for (const XmlElement* geom : geoms)
-    for (const XmlElement* pair : mjcf.pairs(*geom)) {
-      if (!changed_pairs.insert(pair).second) continue;
-      const Rolling rolling(mjcf, *pair, 3, 2);
-      WantedElement changed;
-      if (!rolling.has_any)
-        changed.attributes.push_back({"condim", "4", "a torque about the normal"});
-      changed.attributes.push_back({"friction",
-                                    fmt::format("{0} {0} {1} {2} {3}", number(mu), number(spin_m),
-                                                rolling.numbers[0], rolling.numbers[1]),
-                                    effect});
-      file.change(*pair, changed);
-    }
+  change_pairs(file, mjcf, fingers);
 
-  // The last <option> that states one counts.
-  std::vector<Value> options = {{"cone", "elliptic", "the friction ellipsoid; pyramids allow less"},
-                                {"impratio", "10", "sticking friction is ten times as stiff"},
-                                {"noslip_iterations", "5", "without them a held contact creeps"}};
-  std::vector<const XmlElement*> option_elements;
-  for (const XmlElement* child : file.root().children)
-    if (child->name == "option") option_elements.push_back(child);
-  std::vector<WantedElement> option_changes(option_elements.size());
-  WantedElement root, new_option = group("option", {});
-  for (const Value& option : options) {
-    std::size_t place = option_elements.size();
-    for (std::size_t i = 0; i < option_elements.size(); ++i)
-      if (option_elements[i]->attribute(option.name)) place = i;
-    const bool is_more =
-        place < option_elements.size() && option.name != "cone" &&
-        numeric(option_elements[place]->value(option.name)) >= numeric(option.value);
-    if (is_more) continue;
-    if (place == option_elements.size() && !option_elements.empty()) place = 0;
-    (option_elements.empty() ? new_option : option_changes[place]).attributes.push_back(option);
-  }
-  for (std::size_t i = 0; i < option_elements.size(); ++i)
-    file.change(*option_elements[i], option_changes[i]);
-  if (!new_option.attributes.empty()) root.children.push_back(new_option);
+  std::vector<std::string> notes = notes_about(file, mjcf, geoms);
+  WantedElement root;
+  if (is_part_of_a_model(file))
+    notes.push_back(
+        "the file is a part of a model, whose <option> should have cone=\"elliptic\" "
+        "impratio=\"10\" noslip_iterations=\"5\"");
+  else
+    change_options(file, root);
 
-  if (wanted.plugin) {
-    const ContactProblem& problem = *wanted.plugin;
+  WantedElement custom = group("custom", {});
+  for (const auto& [geom, wanted] : fingers) {
+    if (!wanted->plugin) continue;
+    const ContactProblem& problem = *wanted->plugin;
     const std::string data = fmt::format(
         "{:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g} {:.6g}", problem.radii.major_m,
         problem.radii.minor_m, problem.layer.thickness_m, problem.layer.youngs_modulus_Pa,
         problem.layer.poisson_ratio, problem.finger_curvature.xx_per_m,
         problem.finger_curvature.yy_per_m, problem.finger_curvature.xy_per_m);
-    WantedElement custom = group("custom", {});
-    for (const XmlElement* geom : geoms) {
-      const std::string name = geom->value("name");
-      if (name.empty())
-        throw InputError(fmt::format("{}:{}", file.where(), geom->line), "--plugin", "",
-                         "a geom with a name, by which the plugin finds it");
-      custom.children.push_back(tag("numeric",
-                                    {{"name", "softfinger:" + name, ""},
-                                     {"data", data,
-                                      "with libsoftfinger_mujoco the torque follows the load, "
-                                      "within 1 % of fingertip_layer"}},
-                                    "name"));
-    }
+    const std::string name = geom->value("name");
+    if (name.empty())
+      throw InputError(geom->where(), "--plugin", "",
+                       "a geom with a name, by which the plugin finds it");
+    custom.children.push_back(tag("numeric",
+                                  {{"name", "softfinger:" + name, ""},
+                                   {"data", data,
+                                    "with libsoftfinger_mujoco the torque follows the load, "
+                                    "within 1 % of fingertip_layer"}},
+                                  "name"));
+  }
+  if (!custom.children.empty()) {
+    if (is_part_of_a_model(file))
+      throw InputError(file.where(), "--plugin", "", "the model that includes this file");
     root.children.push_back(custom);
   }
   file.change(file.root(), root);
-  return notes_about(file, mjcf, geoms);
+  return notes;
 }
 
 /// <surface><friction> of Gazebo Classic.
@@ -483,17 +459,17 @@ WantedElement gazebo_surface(const RobotContact& wanted, bool has_ode) {
   return group("surface", {group("friction", friction)});
 }
 
-void apply_gazebo(XmlFile& file, RobotFormat format, const std::vector<const XmlElement*>& fingers,
-                  const RobotContact& wanted) {
-  const std::string mu = number(wanted.contact.friction_coefficient);
+void apply_gazebo(XmlFile& file, RobotFormat format, const std::vector<Wanted>& fingers) {
   if (format == RobotFormat::sdf) {
-    for (const XmlElement* finger : fingers)
-      file.change(*finger, group("collision", {gazebo_surface(wanted, true)}));
+    for (const auto& [finger, wanted] : fingers)
+      file.change(*finger, group("collision", {gazebo_surface(*wanted, true)}));
     return;
   }
   WantedElement root;
   std::set<std::string> links;
-  for (const XmlElement* finger : fingers) {
+  for (const auto& [finger, contact] : fingers) {
+    const RobotContact& wanted = *contact;
+    const std::string mu = number(wanted.contact.friction_coefficient);
     const std::string link = finger->parent->value("name");
     if (!links.insert(link).second) continue;
     WantedElement gazebo = tag("gazebo", {{"reference", link, ""}}, "reference");
@@ -504,11 +480,11 @@ void apply_gazebo(XmlFile& file, RobotFormat format, const std::vector<const Xml
   file.change(file.root(), root);
 }
 
-void apply_bullet(XmlFile& file, RobotFormat format, const std::vector<const XmlElement*>& fingers,
-                  const RobotContact& wanted) {
-  const double spin_m = wanted.contact.torque_per_load_m();
+void apply_bullet(XmlFile& file, RobotFormat format, const std::vector<Wanted>& fingers) {
   std::set<const XmlElement*> links;
-  for (const XmlElement* finger : fingers) {
+  for (const auto& [finger, contact] : fingers) {
+    const RobotContact& wanted = *contact;
+    const double spin_m = wanted.contact.torque_per_load_m();
     if (!links.insert(finger->parent).second) continue;
     file.change(
         *finger->parent,
@@ -555,16 +531,15 @@ double depth_of(const XmlElement& collision) {
   return NAN;
 }
 
-void apply_drake(XmlFile& file, RobotFormat format, const std::vector<const XmlElement*>& fingers,
-                 const RobotContact& wanted) {
-  const Foundation foundation = foundation_with_eccentricity(
-      wanted.contact.radii, wanted.contact.load_N, wanted.contact.eccentricity_m);
-  const std::string mu = number(wanted.contact.friction_coefficient);
-  for (const XmlElement* finger : fingers) {
+void apply_drake(XmlFile& file, RobotFormat format, const std::vector<Wanted>& fingers) {
+  for (const auto& [finger, contact] : fingers) {
+    const RobotContact& wanted = *contact;
+    const Foundation foundation = foundation_with_eccentricity(
+        wanted.contact.radii, wanted.contact.load_N, wanted.contact.eccentricity_m);
+    const std::string mu = number(wanted.contact.friction_coefficient);
     const double depth_m = wanted.depth_m.value_or(depth_of(*finger));
     if (!(std::isfinite(depth_m) && depth_m > 0))
-      throw InputError(fmt::format("{}:{}", file.where(), finger->line),
-                       "the depth of the fingertip's shape is not known", "",
+      throw InputError(finger->where(), "the depth of the fingertip's shape is not known", "",
                        "a sphere, capsule, cylinder, box or ellipsoid, or --depth-mm");
     WantedElement properties = group(
         "drake:proximity_properties",
@@ -601,17 +576,16 @@ std::string_view name_of(RobotFormat format) {
 
 RobotFormat format_of(const XmlFile& file) {
   const std::string& root = file.root().name;
-  if (root == "mujoco") return RobotFormat::mjcf;
+  if (root == "mujoco" || root == "mujocoinclude") return RobotFormat::mjcf;
   if (root == "robot") return RobotFormat::urdf;
   if (root == "sdf") return RobotFormat::sdf;
-  throw InputError(fmt::format("{}:{}", file.where(), file.root().line),
-                   "<" + text::shortened(root) + ">", "", "<mujoco>, <robot> (URDF) or <sdf>");
+  throw InputError(file.root().where(), "<" + text::shortened(root) + ">", "",
+                   "<mujoco>, <robot> (URDF) or <sdf>");
 }
 
-std::vector<std::string> apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
-                                       const Simulator& simulator, const RobotContact& contact) {
-  const RobotFormat format = format_of(file);
+void require_reader(const XmlFile& file, const Simulator& simulator) {
   const std::string name(simulator.name);
+  const RobotFormat format = format_of(file);
   const bool is_mjcf = format == RobotFormat::mjcf;
   if (name != "mujoco" && name != "bullet" && name != "gazebo" && name != "drake")
     throw InputError("command line", "--to", name,
@@ -621,17 +595,36 @@ std::vector<std::string> apply_contact(XmlFile& file, const std::vector<std::str
                      is_mjcf ? "mujoco for MJCF"
                              : "bullet, gazebo or drake for URDF and SDF: MuJoCo reads no "
                                "friction from them, save the model as MJCF first");
-  const std::vector<Part> parts = parts_of(file, format);
-  const Mjcf mjcf(file);
-  std::vector<const XmlElement*> elements;
-  std::set<const XmlElement*> known;
+}
+
+std::vector<FingerParts> find_fingers(const XmlFile& file, const Mjcf& mjcf,
+                                      const std::vector<std::string>& fingers) {
+  const RobotFormat format = format_of(file);
+  const Parts parts = parts_of(file, format);
+  std::vector<FingerParts> found;
   for (const std::string& finger : fingers)
-    for (const XmlElement* element : parts_of_finger(file, format, mjcf, parts, finger))
-      if (known.insert(element).second) elements.push_back(element);
-  if (name == "mujoco") return apply_mujoco(file, mjcf, elements, contact);
-  if (name == "bullet") apply_bullet(file, format, elements, contact);
-  if (name == "gazebo") apply_gazebo(file, format, elements, contact);
-  if (name == "drake") apply_drake(file, format, elements, contact);
+    found.push_back({finger, parts_of_finger(file, format, mjcf, parts, finger)});
+  return found;
+}
+
+std::vector<std::string> apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
+                                       const Simulator& simulator,
+                                       const std::vector<RobotContact>& contacts) {
+  require_reader(file, simulator);
+  const RobotFormat format = format_of(file);
+  const Mjcf mjcf(file);
+  std::vector<Wanted> wanted;
+  std::set<const XmlElement*> known;
+  const std::vector<FingerParts> found = find_fingers(file, mjcf, fingers);
+  for (std::size_t i = 0; i < found.size(); ++i)
+    for (const XmlElement* element : found[i].elements)
+      if (known.insert(element).second)
+        wanted.push_back({element, &contacts[std::min(i, contacts.size() - 1)]});
+  const std::string name(simulator.name);
+  if (name == "mujoco") return apply_mujoco(file, mjcf, wanted);
+  if (name == "bullet") apply_bullet(file, format, wanted);
+  if (name == "gazebo") apply_gazebo(file, format, wanted);
+  if (name == "drake") apply_drake(file, format, wanted);
   return {};
 }
 

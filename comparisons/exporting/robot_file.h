@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "comparisons/exporting/contact_curve.h"
+#include "comparisons/exporting/mjcf.h"
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/exporting/xml_text.h"
 #include "softfinger/input/contact_problem.h"
@@ -35,15 +36,32 @@ struct RobotContact {
   std::optional<double> depth_m;
 };
 
-/// Writes the contact of each finger into the file.
+/// @throws InputError for a simulator that does not read friction from such files
+void require_reader(const XmlFile& file, const Simulator& simulator);
+
+/// A finger as it is named, and its geoms or collisions.
+struct FingerParts {
+  std::string name;
+  std::vector<const XmlElement*> elements;
+};
+
 /// @param fingers  MJCF: geoms, or bodies for all their geoms that touch others; URDF, SDF:
 /// collisions, or links for all their collisions; also LINK::COLLISION, MODEL::LINK::COLLISION
 /// @throws InputError for a finger that the file has not or has several of, with the nearest name,
-/// for a geom of MJCF that touches nothing, for flags of MJCF under which friction has no effect,
-/// for a simulator that does not read such files, and for a shape whose depth is not known
-/// @returns what else decides about the contact, as files that are included, a sentence each
+/// and for a geom of MJCF that touches nothing
+std::vector<FingerParts> find_fingers(const XmlFile& file, const Mjcf& mjcf,
+                                      const std::vector<std::string>& fingers);
+
+/// Writes the contact of each finger into the file, or into the one that it includes and that holds
+/// the finger.
+/// @param fingers   as in `find_fingers`
+/// @param contacts  one for each finger, or one for all of them
+/// @throws InputError as `find_fingers` and `require_reader`, for flags of MJCF under which
+/// friction has no effect, and for a shape whose depth is not known
+/// @returns what else decides about the contact, as files that are not read, a sentence each
 std::vector<std::string> apply_contact(XmlFile& file, const std::vector<std::string>& fingers,
-                                       const Simulator& simulator, const RobotContact& contact);
+                                       const Simulator& simulator,
+                                       const std::vector<RobotContact>& contacts);
 
 /// The numbers of solref and solimp that give MuJoCo's contact of a mass a stiffness and critical
 /// damping. With a constant impedance d, solimp="d d w", and solref="-k -b" MuJoCo's law is

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <iterator>
 #include <map>
+#include <set>
 
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
@@ -207,6 +208,8 @@ std::string XmlElement::value(const std::string& attribute_name) const {
   return found ? found->value : "";
 }
 
+std::string XmlElement::where() const { return fmt::format("{}:{}", file->where(), line); }
+
 XmlFile::XmlFile(std::string text, std::string where)
     : text_(std::move(text)), where_(std::move(where)) {
   if (text_.find('\0') != std::string::npos)
@@ -227,9 +230,65 @@ XmlFile::XmlFile(std::string text, std::string where)
   line_begins_ = {0};
   for (std::size_t at = 0; (at = text_.find('\n', at)) != std::string::npos;)
     line_begins_.push_back(++at);
-  elements_ = Places(text_).find();
-  if (elements_.empty() || !document.RootElement() || !adopt(document.RootElement(), elements_))
+  owned_ = Places(text_).find();
+  if (owned_.empty() || !document.RootElement() || !adopt(document.RootElement(), owned_))
     throw InputError(where_, "the text is not understood", "", "XML with one root element");
+  for (const auto& element : owned_) {
+    element->file = this;
+    elements_.push_back(element.get());
+  }
+}
+
+void XmlFile::include(std::vector<Inclusion> inclusions) {
+  std::map<const XmlElement*, XmlFile*> file_of;
+  for (Inclusion& inclusion : inclusions) {
+    file_of[inclusion.element] = inclusion.file.get();
+    included_.push_back(std::move(inclusion.file));
+  }
+  // An included root is left out: its children, and what they include, go to the outermost parent.
+  std::set<const XmlElement*> roots;
+  for (const auto& file : included_) roots.insert(file->owned_.front().get());
+  std::set<XmlElement*> parents;
+  for (const auto& [element, file] : file_of)
+    if (roots.count(element->parent) == 0) parents.insert(element->parent);
+  for (XmlElement* parent : parents) {
+    std::vector<XmlElement*> children;
+    // From the last to the first, so that what stands in an element's place comes next.
+    std::vector<XmlElement*> open(parent->children.rbegin(), parent->children.rend());
+    while (!open.empty()) {
+      XmlElement* const child = open.back();
+      open.pop_back();
+      const auto found = file_of.find(child);
+      if (found == file_of.end()) {
+        child->parent = parent;
+        children.push_back(child);
+        continue;
+      }
+      const auto& inner = found->second->elements_.front()->children;
+      open.insert(open.end(), inner.rbegin(), inner.rend());
+    }
+    parent->children = std::move(children);
+  }
+  elements_.clear();
+  std::vector<XmlElement*> open = {owned_.front().get()};
+  while (!open.empty()) {
+    XmlElement* const element = open.back();
+    open.pop_back();
+    elements_.push_back(element);
+    open.insert(open.end(), element->children.rbegin(), element->children.rend());
+  }
+}
+
+std::vector<const XmlFile*> XmlFile::files() const {
+  std::vector<const XmlFile*> files = {this};
+  for (const auto& file : included_) files.push_back(file.get());
+  return files;
+}
+
+bool XmlFile::has_changes() const {
+  const std::vector<const XmlFile*> all = files();
+  return std::any_of(all.begin(), all.end(),
+                     [](const XmlFile* file) { return !file->changes_.empty(); });
 }
 
 std::string XmlFile::indentation(std::size_t place) const {
@@ -322,7 +381,7 @@ void XmlFile::add_children(const XmlElement& element,
 }
 
 void XmlFile::change(const XmlElement& element, const WantedElement& wanted) {
-  change(element, wanted, "");
+  element.file->change(element, wanted, "");
 }
 
 void XmlFile::change(const XmlElement& element, const WantedElement& wanted,
@@ -340,7 +399,7 @@ void XmlFile::change(const XmlElement& element, const WantedElement& wanted,
   Children children(element);
   for (const WantedElement& child : wanted.children) {
     if (const XmlElement* const found = children.find(child))
-      change(*found, child, joined_path(path, child.name));
+      found->file->change(*found, child, joined_path(path, child.name));
     else
       missing.push_back(&child);
   }

@@ -10,6 +10,8 @@
 /// order and the quotes of attributes. tinyxml2 reads the file; the edits are made in its text.
 namespace softfinger::exporting {
 
+class XmlFile;
+
 /// An element of the file, and where it lies in the text.
 struct XmlElement {
   struct Attribute {
@@ -21,6 +23,7 @@ struct XmlElement {
   std::string text;  ///< of a leaf, blanks at its ends cut off
   int line = 0;
   std::vector<Attribute> attributes;
+  XmlFile* file = nullptr;  ///< that holds its text
   XmlElement* parent = nullptr;
   std::vector<XmlElement*> children;
   std::size_t begin = 0, end = 0;            ///< of the whole element
@@ -32,6 +35,8 @@ struct XmlElement {
   const Attribute* attribute(const std::string& attribute_name) const;
   /// The attribute's value, or empty.
   std::string value(const std::string& attribute_name) const;
+  /// "hand.xml:12"
+  std::string where() const;
 };
 
 /// Required content of an element; anything else in it stays.
@@ -66,16 +71,32 @@ class XmlFile {
   /// @throws InputError for text that is not well-formed, for a DOCTYPE (entities are not read),
   /// and for elements nested deeper than a hundred levels
   XmlFile(std::string text, std::string where);
+  XmlFile(const XmlFile&) = delete;
+  XmlFile& operator=(const XmlFile&) = delete;
 
   const std::string& where() const { return where_; }
   const XmlElement& root() const { return *elements_.front(); }
-  /// All elements in the order of the file, the root first.
-  const std::vector<std::unique_ptr<XmlElement>>& elements() const { return elements_; }
+  /// All elements in the order of the model, the root first: those of an included file stand in
+  /// the place of the element that includes it.
+  const std::vector<XmlElement*>& elements() const { return elements_; }
+
+  /// Puts the children of another file's root in the place of an element. What is then changed in
+  /// them is changed in that file.
+  struct Inclusion {
+    const XmlElement* element = nullptr;  ///< of this file, or of one that it includes
+    std::unique_ptr<XmlFile> file;
+  };
+  void include(std::vector<Inclusion> inclusions);
+  /// This file and those that it includes, in the order in which they were included.
+  std::vector<const XmlFile*> files() const;
 
   /// Gives the element what is wanted of it: its name is not looked at.
   void change(const XmlElement& element, const WantedElement& wanted);
 
+  /// The differences of this file, without those that it includes.
   const std::vector<XmlChange>& changes() const { return changes_; }
+  /// Whether this file or one that it includes is different.
+  bool has_changes() const;
   /// The file with all changes.
   std::string text() const;
 
@@ -97,7 +118,9 @@ class XmlFile {
 
   std::string text_, where_;
   std::vector<std::size_t> line_begins_;
-  std::vector<std::unique_ptr<XmlElement>> elements_;
+  std::vector<std::unique_ptr<XmlElement>> owned_;  ///< the elements of this text
+  std::vector<XmlElement*> elements_;
+  std::vector<std::unique_ptr<XmlFile>> included_;
   std::vector<Edit> edits_;
   std::vector<XmlChange> changes_;
 };

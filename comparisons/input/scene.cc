@@ -27,7 +27,9 @@ namespace {
 /// a gigabyte.
 constexpr std::size_t kMostBodies = 1000, kMostShapes = 100, kMostLayers = 100, kMostJoints = 1000,
                       kMostLoops = 100, kMostMotors = 1000, kMostForces = 1000,
-                      kMostContactRules = 1000, kMostTimes = 10000, kMostEccentricities = 1000;
+                      kMostContactRules = 20000, kMostTimes = 10000, kMostEccentricities = 1000;
+/// The place among a scene's rules of that for bodies which a joint connects.
+constexpr int kJoinedRule = 1;
 constexpr double kMostSteps = 1e6, kMostRecordedPoses = 5e6;
 /// Beyond these a step only rounds: larger loads than any machine's, half a turn per step.
 constexpr double kMostLoad = 1e12, kMostTurnPerStep = kPi;
@@ -80,9 +82,11 @@ class SceneReader {
   void read_mass(const toml::table& table, const std::string& where,
                  const std::vector<Shape>& shapes, BodyDescription& body) const;
   void read_joints();
+  void read_leaders();
   void read_loops();
   void read_motors();
   void read_forces();
+  void separate_joined_bodies();
   void read_rules();
   ContactRule read_rule(const toml::table& table) const;
   void start_joints(Multibody bodies);
@@ -519,10 +523,10 @@ void SceneReader::read_bodies() {
 
 void SceneReader::read_joints() {
   for (const toml::table* table : tables("joint", kMostJoints)) {
-    reader_.check_keys(
-        *table, "[[joint]]",
-        {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg", "start_mm",
-         "limits_deg", "limits_mm", "rotor_inertia_kg_mm2", "rotor_mass_g"});
+    reader_.check_keys(*table, "[[joint]]",
+                       {"name", "kind", "parent", "child", "anchor_mm", "axis", "start_deg",
+                        "start_mm", "limits_deg", "limits_mm", "rotor_inertia_kg_mm2",
+                        "rotor_mass_g", "dry_friction_Nm", "dry_friction_N", "follows", "ratio"});
     JointDescription joint;
     const toml::node& name = reader_.required(*table, "[[joint]]", "name");
     joint.name = reader_.name(name, "name");
@@ -534,14 +538,14 @@ void SceneReader::read_joints() {
     joint.parent = body_named(reader_.required(*table, "[[joint]]", "parent"), "parent", true);
     joint.child = body_named(reader_.required(*table, "[[joint]]", "child"), "child", false);
     const bool turns = joint.kind == JointKind::revolute, is_ball = joint.kind == JointKind::ball;
-    for (const char* key : {"start_deg", "limits_deg", "rotor_inertia_kg_mm2"})
+    for (const char* key : {"start_deg", "limits_deg", "rotor_inertia_kg_mm2", "dry_friction_Nm"})
       if (!turns && table->contains(key))
         reader_.say(*table->get(key), std::string(key) + " belongs to a revolute joint");
     if (!turns && !is_ball && table->contains("anchor_mm"))
       reader_.say(*table->get("anchor_mm"), "anchor_mm belongs to a revolute or ball joint");
     if (is_ball && table->contains("axis"))
       reader_.say(*table->get("axis"), "a ball joint turns about every axis");
-    for (const char* key : {"start_mm", "limits_mm", "rotor_mass_g"})
+    for (const char* key : {"start_mm", "limits_mm", "rotor_mass_g", "dry_friction_N"})
       if (kind != "prismatic" && table->contains(key))
         reader_.say(*table->get(key), std::string(key) + " belongs to a prismatic joint");
     if (turns || joint.kind == JointKind::prismatic)
@@ -567,8 +571,33 @@ void SceneReader::read_joints() {
       if (!(typed >= 0)) reader_.refuse(*rotor, rotor_key, "a number >= 0");
       joint.rotor_inertia = typed * (turns ? kKilogramSquareMillimetre : kGram);
     }
+    const char* friction_key = turns ? "dry_friction_Nm" : "dry_friction_N";
+    if (const toml::node* friction = table->get(friction_key)) {
+      joint.dry_friction = reader_.number(*friction, friction_key, "a number >= 0");
+      if (!(joint.dry_friction >= 0 && joint.dry_friction <= kMostLoad))
+        reader_.refuse(*friction, friction_key, fmt::format("0 to {:g}", kMostLoad));
+    }
+    if (const toml::node* ratio = table->get("ratio")) {
+      if (!table->contains("follows")) reader_.say(*ratio, "ratio goes with follows");
+      joint.ratio = reader_.number(*ratio, "ratio", "a finite number");
+    }
     scene_.joints.push_back(joint);
     joint_tables_.push_back(table);
+  }
+}
+
+/// A joint may follow one that comes later in the file.
+void SceneReader::read_leaders() {
+  std::vector<std::string> names;
+  for (const JointDescription& joint : scene_.joints) names.push_back(joint.name);
+  for (std::size_t j = 0; j < scene_.joints.size(); ++j) {
+    const toml::node* follows = joint_tables_[j]->get("follows");
+    if (!follows) continue;
+    const std::string typed = reader_.name(*follows, "follows");
+    const auto found = std::find(names.begin(), names.end(), typed);
+    if (found == names.end())
+      reader_.refuse(*follows, "follows", "the name of a joint" + meant(typed, names));
+    scene_.joints[j].leader = int(found - names.begin());
   }
 }
 
@@ -793,10 +822,33 @@ ContactRule SceneReader::read_rule(const toml::table& table) const {
   return rule;
 }
 
+/// Bodies that a joint connects never collide. Those that hang on each other by way of bodies
+/// without shapes, as on the axes of one joint, overlap as often: they do not collide unless a
+/// [[contact]] names both.
+void SceneReader::separate_joined_bodies() {
+  const std::size_t count = scene_.bodies.size();
+  scene_.rules.push_back({});
+  scene_.rules.back().collide = false;
+  std::vector<int> carrier(count, -1);
+  for (const JointDescription& joint : scene_.joints)
+    carrier[std::size_t(joint.child)] = joint.parent;
+  for (std::size_t b = 0; b < count; ++b) {
+    int other = carrier[b];
+    for (std::size_t steps = 0; other >= 0 && steps < count; ++steps) {
+      if (!scene_.bodies[std::size_t(other)].shapes.empty()) break;
+      other = carrier[std::size_t(other)];
+    }
+    if (other < 0 || std::size_t(other) == b) continue;
+    scene_.rule_of_pair[b * count + std::size_t(other)] =
+        scene_.rule_of_pair[std::size_t(other) * count + b] = kJoinedRule;
+  }
+}
+
 void SceneReader::read_rules() {
   const std::size_t count = scene_.bodies.size();
   scene_.rules.assign(1, {});
   scene_.rule_of_pair.assign(count * count, 0);
+  separate_joined_bodies();
   for (const toml::table* table : tables("contact", kMostContactRules)) {
     reader_.check_keys(*table, "[[contact]]",
                        {"bodies", "friction_coefficient", "shear_law", "shear_strength_kPa",
@@ -822,9 +874,12 @@ void SceneReader::read_rules() {
       reader_.refuse(pair, "bodies", "two bodies: one does not touch itself");
     const int index = int(scene_.rules.size());
     scene_.rules.push_back(read_rule(*table));
+    // Names that stand for several bodies do not mean those that a joint connects.
+    const bool is_single = chosen[0].size() == 1 && chosen[1].size() == 1;
     for (const std::size_t a : chosen[0])
       for (const std::size_t b : chosen[1])
-        scene_.rule_of_pair[a * count + b] = scene_.rule_of_pair[b * count + a] = index;
+        if (is_single || scene_.rule_of_pair[a * count + b] != kJoinedRule)
+          scene_.rule_of_pair[a * count + b] = scene_.rule_of_pair[b * count + a] = index;
   }
 }
 
@@ -939,6 +994,7 @@ void SceneReader::read() {
     reader_.refuse(*root_["simulation"].as_table()->get("duration_s"), "duration_s",
                    fmt::format("steps times bodies of at most {:.0f}", kMostRecordedPoses));
   read_joints();
+  read_leaders();
   read_loops();
   read_motors();
   read_forces();

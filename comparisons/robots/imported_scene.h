@@ -21,7 +21,7 @@ struct ImportedScene {
 
 /// As a scene's reader has them; what is added to a name must fit, too.
 constexpr double kMillimetre = 1e-3, kDegree = 3.14159265358979323846 / 180;
-constexpr std::size_t kMostBodies = 1000, kLongestName = 90, kMostRules = 1000;
+constexpr std::size_t kMostBodies = 1000, kLongestName = 90, kMostRules = 20000;
 
 std::string list(const Eigen::Vector3d& v);
 std::string in_quotes(const std::string& text);

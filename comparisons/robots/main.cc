@@ -1,4 +1,5 @@
-// softfinger-robot FILE MESHES ID [BODY THICKNESS_MM YOUNGS_MODULUS_kPa POISSON_RATIO]...
+// softfinger-robot FILE MESHES ID [--package-path DIR]...
+//                  [BODY THICKNESS_MM YOUNGS_MODULUS_kPa POISSON_RATIO]...
 // Writes a robot's file as a scene to standard output, and what is not as in the file to standard
 // error, a line each. `softfinger simulate` runs it: a program of its own, so that `softfinger`
 // does not load MuJoCo, and so that a file at which MuJoCo gives up ends nothing else.
@@ -7,6 +8,8 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +24,9 @@
 #endif
 #ifdef SOFTFINGER_HAS_SDFORMAT
 #include "comparisons/robots/sdf_scene.h"
+#endif
+#ifdef SOFTFINGER_HAS_URDFDOM
+#include "comparisons/robots/urdf_scene.h"
 #endif
 
 namespace {
@@ -55,26 +61,57 @@ using softfinger::InputError;
 using softfinger::robots::FingerLayer;
 using softfinger::robots::ImportedScene;
 
-/// @param words  file, folder for meshes, id
-ImportedScene import(const std::vector<std::string>& words,
-                     const std::vector<FingerLayer>& layers) {
-  const std::filesystem::path file = words[0];
+/// Whether an XML file is URDF: its root element begins so, behind comments and declarations.
+bool is_urdf(const std::filesystem::path& file, const std::string& suffix) {
+  if (suffix == ".urdf" || suffix == ".xacro") return true;
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text((std::istreambuf_iterator<char>(stream)), {});
+  std::size_t at = 0;
+  while ((at = text.find('<', at)) != std::string::npos) {
+    const char* const end = text.compare(at, 4, "<!--") == 0 ? "-->"
+                            : text.compare(at, 2, "<?") == 0 ? "?>"
+                            : text.compare(at, 2, "<!") == 0 ? ">"
+                                                             : nullptr;
+    if (!end) return text.compare(at, 6, "<robot") == 0;
+    at = text.find(end, at);
+  }
+  return false;
+}
+
+struct Words {
+  std::string file, meshes, id;
+  std::vector<std::string> package_paths;
+  std::vector<FingerLayer> layers;
+};
+
+ImportedScene import(const Words& words) {
+  const std::filesystem::path file = words.file;
   std::string suffix = file.extension().string();
   for (char& letter : suffix) letter = char(std::tolower(static_cast<unsigned char>(letter)));
   if (suffix == ".sdf") {
 #ifdef SOFTFINGER_HAS_SDFORMAT
-    return softfinger::robots::import_sdf(file, words[2], layers);
+    return softfinger::robots::import_sdf(file, words.id, words.layers);
 #else
-    throw InputError(words[0], "suffix", ".sdf",
+    throw InputError(words.file, "suffix", ".sdf",
                      "MJCF or URDF: this program was built without libsdformat-dev");
+#endif
+  }
+  if (is_urdf(file, suffix)) {
+#ifdef SOFTFINGER_HAS_URDFDOM
+    return softfinger::robots::import_urdf(file, words.meshes, words.id, words.layers,
+                                           words.package_paths);
+#else
+    throw InputError(words.file, "format", "URDF",
+                     "MJCF or SDF: this program was built without liburdfdom-dev");
 #endif
   }
 #ifdef SOFTFINGER_HAS_MUJOCO
   mju_user_error = give_up;
   mju_user_warning = note;
-  const InputError no_number(words[0], "number", "NaN", "finite numbers");
+  const InputError no_number(words.file, "number", "NaN", "finite numbers");
   try {
-    ImportedScene scene = softfinger::robots::import_robot(file, words[1], words[2], layers);
+    ImportedScene scene =
+        softfinger::robots::import_robot(file, words.meshes, words.id, words.layers);
     if (has_nan) throw no_number;
     return scene;
   } catch (const std::exception&) {
@@ -83,8 +120,8 @@ ImportedScene import(const std::vector<std::string>& words,
     throw;
   }
 #else
-  throw InputError(words[0], "suffix", suffix,
-                   ".sdf: this program was built without libmujoco-dev");
+  throw InputError(words.file, "suffix", suffix,
+                   ".sdf or .urdf: this program was built without libmujoco-dev");
 #endif
 }
 
@@ -92,17 +129,24 @@ ImportedScene import(const std::vector<std::string>& words,
 
 int main(int argc, char** argv) {
   softfinger::meshes::open_standard_descriptors();
-  const std::vector<std::string> words(argv + 1, argv + argc);
-  if (words.size() < 3 || (words.size() - 3) % 4 != 0) {
-    say("softfinger-robot FILE MESHES ID [BODY THICKNESS_MM YOUNGS_MODULUS_kPa POISSON_RATIO]...");
+  const std::vector<std::string> typed(argv + 1, argv + argc);
+  std::size_t next = 3;
+  Words words;
+  for (; next + 1 < typed.size() && typed[next] == "--package-path"; next += 2)
+    words.package_paths.push_back(typed[next + 1]);
+  if (typed.size() < 3 || (typed.size() - next) % 4 != 0) {
+    say("softfinger-robot FILE MESHES ID [--package-path DIR]... "
+        "[BODY THICKNESS_MM YOUNGS_MODULUS_kPa POISSON_RATIO]...");
     return kBadInput;
   }
+  words.file = typed[0];
+  words.meshes = typed[1];
+  words.id = typed[2];
   try {
-    std::vector<FingerLayer> layers;
-    for (std::size_t i = 3; i < words.size(); i += 4)
-      layers.push_back(
-          {words[i], std::stod(words[i + 1]), std::stod(words[i + 2]), std::stod(words[i + 3])});
-    const ImportedScene scene = import(words, layers);
+    for (std::size_t i = next; i < typed.size(); i += 4)
+      words.layers.push_back(
+          {typed[i], std::stod(typed[i + 1]), std::stod(typed[i + 2]), std::stod(typed[i + 3])});
+    const ImportedScene scene = import(words);
     for (const std::string& line : scene.notes) say(line);
     std::fwrite(scene.text.data(), 1, scene.text.size(), stdout);
     return std::fflush(stdout) == 0 ? 0 : kBadInput;

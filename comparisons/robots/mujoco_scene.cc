@@ -14,9 +14,9 @@
 #include <ostream>
 #include <set>
 
+#include "comparisons/robots/mjcf_file.h"
 #include "comparisons/robots/mujoco_contacts.h"
 #include "comparisons/robots/named_files.h"
-#include "comparisons/robots/urdf_file.h"
 #include "comparisons/text/robot_mesh_title.h"
 #include "meshes/io/whole_file.h"
 #include "softfinger/input/constants.h"
@@ -50,7 +50,10 @@ struct Model {
     } else {
       const auto files = std::make_unique<mjVFS>();
       mj_defaultVFS(files.get());
-      mj_makeEmptyFileVFS(files.get(), file.filename().c_str(), int(text.size()));
+      if (file.filename().string().size() >= mjMAXVFSNAME ||
+          mj_makeEmptyFileVFS(files.get(), file.filename().c_str(), int(text.size())) != 0)
+        throw InputError(file.string(), "the file's name", "",
+                         fmt::format("at most {} bytes", mjMAXVFSNAME - 1));
       std::memcpy(files->filedata[0], text.data(), text.size());
       model.reset(mj_loadXML(file.c_str(), files.get(), error, sizeof error));
       mj_deleteVFS(files.get());
@@ -67,19 +70,41 @@ struct Model {
   std::unique_ptr<mjData, void (*)(mjData*)> data{nullptr, mj_deleteData};
 };
 
-/// MuJoCo merges a URDF file's links on fixed joints into those that carry them, which a layer on
-/// one of them forbids.
-Model load(const std::filesystem::path& file, const std::vector<FingerLayer>& layers,
-           std::vector<std::string>& notes) {
+/// Pipes are refused before they are opened.
+MjcfFile read_checked(const std::filesystem::path& file) {
   refuse_named_pipes(file);
-  if (!is_urdf(file)) return Model(file);
-  UrdfFile urdf = read_urdf(file);
-  notes = std::move(urdf.notes);
-  Model merged(file);
-  for (const FingerLayer& layer : layers)
-    if (mj_name2id(merged.model.get(), mjOBJ_BODY, layer.body.c_str()) < 0)
-      return Model(file, urdf.with_all_links);
-  return merged;
+  return read_mjcf(file, schema_of_library());
+}
+
+/// The volume of a mesh as MuJoCo 3 has it where the file does not say how, "legacy": that of the
+/// tetrahedra of the facets and the centre of mass, all with one sign. A model has its meshes with
+/// the centre of mass at the origin.
+double legacy_volume_m3(const mjModel& model, int mesh) {
+  const float* vertices = model.mesh_vert + 3 * model.mesh_vertadr[mesh];
+  const int* faces = model.mesh_face + 3 * model.mesh_faceadr[mesh];
+  double volume_m3 = 0;
+  for (int f = 0; f < model.mesh_facenum[mesh]; ++f) {
+    Matrix3d corners;
+    for (int k = 0; k < 3; ++k)
+      corners.col(k) =
+          Eigen::Map<const Eigen::Vector3f>(vertices + 3 * faces[3 * f + k]).cast<double>();
+    volume_m3 += std::abs(corners.determinant()) / 6;
+  }
+  return volume_m3;
+}
+
+/// The library has another volume of a mesh than MuJoCo 3: where masses follow from
+/// meshes, the file is read again with them.
+Model load(const std::filesystem::path& file, const MjcfFile& mjcf) {
+  Model first(file, mjcf.text);
+  std::map<std::string, double> masses;
+  for (const auto& [name, density_kg_per_m3] : mjcf.density_of_mesh_geom) {
+    const int geom = mj_name2id(first.model.get(), mjOBJ_GEOM, name.c_str());
+    if (geom < 0 || first.model->geom_dataid[geom] < 0) continue;
+    masses[name] =
+        density_kg_per_m3 * legacy_volume_m3(*first.model, first.model->geom_dataid[geom]);
+  }
+  return masses.empty() ? std::move(first) : Model(file, with_masses(mjcf.text, masses));
 }
 
 class Importer {
@@ -90,10 +115,13 @@ class Importer {
         meshes_(meshes),
         id_(std::move(id)),
         layers_(layers),
-        loaded_(load(file, layers, result_.notes)),
+        mjcf_(read_checked(file)),
+        loaded_(load(file, mjcf_)),
         m_(loaded_.model.get()),
         d_(loaded_.data.get()),
         contacts_(*m_) {
+    result_.notes = mjcf_.notes;
+    visual_geoms_ = mjcf_.visual_geoms;
     for (int b = 0; b < m_->nbody; ++b) names_.insert(body_name(b));
   }
 
@@ -108,6 +136,7 @@ class Importer {
     result_.text += bodies_ + joints_;
     add_loops();
     add_motors();
+    add_gravity_compensation();
     add_contacts();
     note_the_rest();
     return std::move(result_);
@@ -170,11 +199,19 @@ class Importer {
              in_quotes(joint_name(j)), inside, position);
       position = inside;
     }
-    mj_kinematics(m_, d_);
-    mj_comPos(m_, d_);
+    start_.assign(d_->qpos, d_->qpos + m_->nq);
+    start_velocity_.assign(d_->qvel, d_->qvel + m_->nv);
+    place_again();
     for (int j = 0; j < m_->njnt; ++j)
       for (int i = 0; i < dofs(j) && m_->jnt_type[j] != mjJNT_FREE; ++i)
         joints_move_ |= d_->qvel[m_->jnt_dofadr[j] + i] != 0;
+  }
+
+  void place_again() {
+    std::copy(start_.begin(), start_.end(), d_->qpos);
+    std::copy(start_velocity_.begin(), start_velocity_.end(), d_->qvel);
+    mj_kinematics(m_, d_);
+    mj_comPos(m_, d_);
   }
 
   void add_simulation() {
@@ -252,9 +289,27 @@ class Importer {
       bodies_ += "massless = true\n";
       return;
     }
-    bodies_ +=
-        mass_lines(share * m_->body_mass[b], pose(m_->body_ipos + 3 * b, m_->body_iquat + 4 * b),
-                   (share * vector(m_->body_inertia + 3 * b)).asDiagonal());
+    const Isometry3d at = pose(m_->body_ipos + 3 * b, m_->body_iquat + 4 * b);
+    const Matrix3d inertia =
+        at.linear() * vector(m_->body_inertia + 3 * b).asDiagonal() * at.linear().transpose();
+    Isometry3d center = Isometry3d::Identity();
+    center.translation() = at.translation();
+    bodies_ += mass_lines(share * m_->body_mass[b], center, share * exact(b, inertia));
+  }
+
+  /// The matrix of the file, where the library has only rounded it.
+  Matrix3d exact(int b, const Matrix3d& inertia) const {
+    const char* own = mj_id2name(m_, mjOBJ_BODY, b);
+    const auto found = mjcf_.full_inertia.find(own ? own : "");
+    if (found == mjcf_.full_inertia.end()) return inertia;
+    const auto& six = found->second;
+    Matrix3d typed;
+    typed << six[0], six[3], six[4], six[3], six[1], six[5], six[4], six[5], six[2];
+    // Otherwise the library has changed it as the file's <compiler> says.
+    constexpr double kRounding = 1e-6;
+    const bool is_same =
+        (typed - inertia).cwiseAbs().maxCoeff() <= kRounding * inertia.cwiseAbs().maxCoeff();
+    return is_same ? typed : inertia;
   }
 
   int dofs(int j) const {
@@ -313,8 +368,10 @@ class Importer {
     if (m_->dof_armature[dof] > 0)
       joints_ += fmt::format("{} = {}\n", turns ? "rotor_inertia_kg_mm2" : "rotor_mass_g",
                              (turns ? 1e6 : 1e3) * m_->dof_armature[dof]);
+    add_leader(j);
     if (m_->dof_frictionloss[dof] > 0)
-      note("the dry friction of joint {} is left out", in_quotes(joint_name(j)));
+      joints_ +=
+          fmt::format("dry_friction_{} = {}\n", turns ? "Nm" : "N", m_->dof_frictionloss[dof]);
     joints_ += "\n";
   }
 
@@ -377,14 +434,44 @@ class Importer {
     return file;
   }
 
+  /// Whether an equality makes a joint move by a constant ratio with another one.
+  bool is_follower(int e) const {
+    if (!m_->eq_active[e] || m_->eq_type[e] != mjEQ_JOINT ||
+        is_off(mjDSBL_EQUALITY | mjDSBL_CONSTRAINT))
+      return false;
+    const int joint = m_->eq_obj1id[e], leader = m_->eq_obj2id[e];
+    const auto is_simple = [this](int j) {
+      return j >= 0 && (m_->jnt_type[j] == mjJNT_HINGE || m_->jnt_type[j] == mjJNT_SLIDE);
+    };
+    const double* polynomial = m_->eq_data + mjNEQDATA * e;
+    for (int other = 0; other < e; ++other)
+      if (m_->eq_obj1id[other] == joint && is_follower(other)) return false;  // of that one only
+    return is_simple(joint) && is_simple(leader) && joint != leader &&
+           std::all_of(polynomial + 2, polynomial + 5, [](double higher) { return higher == 0; });
+  }
+
+  void add_leader(int j) {
+    for (int e = 0; e < m_->neq; ++e) {
+      if (!is_follower(e) || m_->eq_obj1id[e] != j) continue;
+      const double ratio = m_->eq_data[mjNEQDATA * e + 1];
+      joints_ +=
+          fmt::format("follows = {}\nratio = {}\n", in_quotes(joint_name(m_->eq_obj2id[e])), ratio);
+      note("joint {} follows joint {} from where both start, exactly", in_quotes(joint_name(j)),
+           in_quotes(joint_name(m_->eq_obj2id[e])));
+      return;
+    }
+  }
+
   void add_loops() {
     if (is_off(mjDSBL_EQUALITY | mjDSBL_CONSTRAINT)) return;
     for (int e = 0; e < m_->neq; ++e) {
       const std::string own = name(mjOBJ_EQUALITY, e, "equality");
       if (!m_->eq_active[e]) continue;
       const int type = m_->eq_type[e];
+      if (type == mjEQ_JOINT && is_follower(e)) continue;
       if (type != mjEQ_CONNECT && type != mjEQ_WELD) {
-        note("the equality {} is left out: only connect and weld are known", in_quotes(own));
+        note("the equality {} is left out: only connect, weld and linear ones of joints are known",
+             in_quotes(own));
         continue;
       }
       const int a = m_->eq_obj1id[e], b = m_->eq_obj2id[e];
@@ -430,15 +517,32 @@ class Importer {
     const double gear = m_->actuator_gear[6 * a];
     if (m_->actuator_biastype[a] == mjBIAS_AFFINE) {
       const double* bias = m_->actuator_biasprm + mjNBIAS * a;
-      if (bias[0] != 0 || bias[1] > 0 || bias[2] > 0)
+      const bool has_ratio = bias[2] > 0 && bias[1] == -m_->actuator_gainprm[mjNGAIN * a];
+      if (bias[0] != 0 || bias[1] > 0 || (bias[2] > 0 && !has_ratio))
         note("the actuator {} has a bias that is no spring or damper: that part is left out",
              in_quotes(own));
       const double stiffness = std::max(0., -bias[1]) * gear * gear;
       motor.stiffness += stiffness;
       motor.pulls += stiffness * d_->qpos[m_->jnt_qposadr[j]];
-      motor.damping += std::max(0., -bias[2]) * gear * gear;
+      motor.damping +=
+          std::max(0., has_ratio ? damping_of_ratio(j, gear, bias) : -bias[2]) * gear * gear;
     }
     motor.most += std::abs(gear) * most_force(a, own);
+  }
+
+  /// MuJoCo 3 takes a positive number for the ratio of damping of an actuator with a stiffness: of
+  /// the mass that its joint alone feels at the reference positions.
+  double damping_of_ratio(int j, double gear, const double* bias) {
+    if (masses_of_dofs_.empty()) {
+      mj_resetData(m_, d_);
+      mj_kinematics(m_, d_);
+      mj_comPos(m_, d_);
+      mj_crb(m_, d_);
+      for (int dof = 0; dof < m_->nv; ++dof) masses_of_dofs_.push_back(d_->qM[m_->dof_Madr[dof]]);
+      place_again();
+    }
+    const double mass = masses_of_dofs_[std::size_t(m_->jnt_dofadr[j])] / (gear * gear);
+    return 2 * bias[2] * std::sqrt(-bias[1] * mass);
   }
 
   /// Largest force of an actuator: that of its force range, and for a pure motor at most the gain
@@ -465,6 +569,35 @@ class Importer {
     return most;
   }
 
+  /// The limit of a joint's actuators together.
+  void limit_by_joint(int j, JointMotor& motor) {
+    const auto range = mjcf_.actuator_force_range.find(joint_name(j));
+    if (range == mjcf_.actuator_force_range.end()) return;
+    const auto [low, high] = range->second;
+    if (low != -high)
+      note("the actuators' force range of joint {} is taken to be its larger side both ways",
+           in_quotes(joint_name(j)));
+    motor.most = std::min(motor.most, std::max(std::abs(low), std::abs(high)));
+  }
+
+  void add_gravity_compensation() {
+    const Vector3d gravity = vector(m_->opt.gravity);
+    if (is_off(mjDSBL_GRAVITY) || gravity.isZero(0)) return;
+    for (int b = 1; b < m_->nbody; ++b) {
+      const char* own = mj_id2name(m_, mjOBJ_BODY, b);
+      const auto found = mjcf_.gravity_compensation.find(own ? own : "");
+      if (found == mjcf_.gravity_compensation.end() || !moves(b) || !(m_->body_mass[b] > 0))
+        continue;
+      const Vector3d lift = -found->second * m_->body_mass[b] * gravity;
+      result_.text += fmt::format("[[force]]\nbody = {}\ntime_s = [0]\nforce_N = [{}]\n\n",
+                                  in_quotes(body_name(b)), list(lift));
+      note(
+          "body {} has gravcomp {}: a [[force]] holds that part of its weight in the file's "
+          "gravity",
+          in_quotes(body_name(b)), found->second);
+    }
+  }
+
   void add_motors() {
     const bool has_actuators = m_->nu > 0 && !is_off(mjDSBL_ACTUATION);
     for (int a = 0; a < m_->nu && has_actuators; ++a) add_actuator(a);
@@ -487,7 +620,10 @@ class Importer {
       auto found = motors_.find(j);
       if (damping == 0 && stiffness == 0 && found == motors_.end()) continue;
       JointMotor& motor = motors_[j];
-      if (motor.actuators == 0) motor.most = std::numeric_limits<double>::infinity();
+      if (motor.actuators == 0)
+        motor.most = std::numeric_limits<double>::infinity();
+      else
+        limit_by_joint(j, motor);
       if (std::isfinite(motor.most) && (damping > 0 || stiffness > 0))
         note("damping and stiffness of joint {} share its actuator's force limit",
              in_quotes(joint_name(j)));
@@ -564,6 +700,7 @@ class Importer {
   bool joints_move_ = false;  ///< at the start: a keyframe says so
   const std::vector<FingerLayer>& layers_;
   ImportedScene result_;
+  MjcfFile mjcf_;
   Model loaded_;
   const mjModel* m_;
   mjData* d_;
@@ -578,6 +715,8 @@ class Importer {
   std::set<std::string> names_;  ///< of bodies
   std::set<int> written_meshes_;
   std::map<int, JointMotor> motors_;
+  std::vector<double> start_, start_velocity_;
+  std::vector<double> masses_of_dofs_;  ///< at the reference positions
   int visual_geoms_ = 0;
   std::size_t rules_ = 0;
 };

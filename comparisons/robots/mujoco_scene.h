@@ -8,7 +8,7 @@
 
 namespace softfinger::robots {
 
-/// Reads a robot's file, MJCF or URDF, by MuJoCo and describes it as a scene.
+/// Reads a robot's file in MJCF by MuJoCo and describes it as a scene.
 ///
 /// Bodies start where the first keyframe puts them, else at the reference positions, with joints
 /// moved into their limits, and with the keyframe's velocities. Bodies with several joints become

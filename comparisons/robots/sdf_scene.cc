@@ -254,7 +254,8 @@ class Importer {
                  upper = std::max(0., limit(axis.Upper()));
     if (std::isfinite(lower) || std::isfinite(upper))
       joints_ += fmt::format("limits{} = [{}, {}]\n", turns ? "_deg" : "_mm", lower, upper);
-    if (axis.Friction() > 0) note("the dry friction of joint {} is left out", in_quotes(name));
+    if (axis.Friction() > 0)
+      joints_ += fmt::format("dry_friction_{} = {}\n", turns ? "Nm" : "N", axis.Friction());
     const bool is_limited = std::isfinite(axis.Effort()) && axis.Effort() > 0;
     if (!(axis.Damping() > 0) && !(axis.SpringStiffness() > 0) && !is_limited) return;
     motors_ += fmt::format("[[motor]]\njoint = {}\n", in_quotes(name));

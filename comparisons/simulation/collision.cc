@@ -490,23 +490,36 @@ void CollisionDetector::find(const Multibody& bodies, double time_step_s,
   implementation_->find(bodies, time_step_s, points);
 }
 
-void CollisionDetector::require_no_overlap(const Multibody& bodies) {
+std::vector<CollisionDetector::Overlap> CollisionDetector::overlaps(const Multibody& bodies) {
   std::vector<TouchingPoint> points;
   implementation_->find(bodies, 0, points);
+  std::vector<Overlap> result;
   for (const TouchingPoint& point : points) {
     double smaller_m = std::numeric_limits<double>::infinity();
     for (const Part& part : implementation_->parts)
-      if (part.body == point.a || part.body == point.b) {
+      if (part.body == point.a || part.body == point.b)
         smaller_m = std::min(smaller_m, part.radius_m);
-      }
     if (point.gap_m >= -1e-4 * smaller_m) continue;
-    throw InputError(implementation_->scene.file.string(),
-                     fmt::format("overlap of \"{}\" and \"{}\" at the start, in mm",
-                                 bodies.body(point.a).name, bodies.body(point.b).name),
-                     fmt::format("{:.4g}", -point.gap_m * 1e3),
-                     "bodies that do not interpenetrate, or collide = false in their [[contact]] "
-                     "(of a robot's file: in the scene that --write-scene keeps)");
+    const auto same = std::find_if(result.begin(), result.end(), [&](const Overlap& known) {
+      return std::minmax(known.a, known.b) == std::minmax(point.a, point.b);
+    });
+    if (same == result.end())
+      result.push_back({point.a, point.b, -point.gap_m});
+    else
+      same->depth_m = std::max(same->depth_m, -point.gap_m);
   }
+  return result;
+}
+
+void CollisionDetector::require_no_overlap(const Multibody& bodies) {
+  const std::vector<Overlap> found = overlaps(bodies);
+  if (found.empty()) return;
+  const Overlap& first = found.front();
+  throw InputError(implementation_->scene.file.string(),
+                   fmt::format("overlap of \"{}\" and \"{}\" at the start, in mm",
+                               bodies.body(first.a).name, bodies.body(first.b).name),
+                   fmt::format("{:.4g}", first.depth_m * 1e3),
+                   "bodies that do not interpenetrate, or collide = false in their [[contact]]");
 }
 
 int CollisionDetector::fits() const { return implementation_->fit_count; }

@@ -34,7 +34,14 @@ class CollisionDetector {
   /// @throws CollisionError
   void find(const Multibody& bodies, double time_step_s, std::vector<TouchingPoint>& points);
 
-  /// @throws InputError(file) when bodies overlap by more than 1e-4 of the smaller one's size.
+  /// Bodies that overlap by more than 1e-4 of the smaller one's size, each pair once.
+  struct Overlap {
+    int a = -1, b = -1;
+    double depth_m = 0;  ///< of the deepest point
+  };
+  std::vector<Overlap> overlaps(const Multibody& bodies);
+
+  /// @throws InputError(file) when bodies overlap, see `overlaps`.
   void require_no_overlap(const Multibody& bodies);
 
   /// Number of quadrics that were fitted to meshes so far.

@@ -461,6 +461,35 @@ double percentile(std::vector<double> values, double p) {
   return values[std::size_t(std::lround(rank))];
 }
 
+SeparatedBodies separate_overlapping_bodies(input::Scene& scene) {
+  SeparatedBodies result;
+  const auto found = CollisionDetector(scene).overlaps(stepper_of(scene).bodies());
+  if (found.empty()) return result;
+  const auto rule = int(scene.rules.size());
+  scene.rules.push_back({});
+  scene.rules.back().collide = false;
+  const auto in_quotes = [&](int body) {
+    std::string quoted = "\"";
+    for (const char letter : scene.bodies[std::size_t(body)].name) {
+      if (letter == '"' || letter == '\\') quoted += '\\';
+      quoted += letter;
+    }
+    return quoted + "\"";
+  };
+  const std::size_t count = scene.bodies.size();
+  for (const CollisionDetector::Overlap& overlap : found) {
+    const auto a = std::size_t(overlap.a), b = std::size_t(overlap.b);
+    scene.rule_of_pair[a * count + b] = scene.rule_of_pair[b * count + a] = rule;
+    const std::string first = in_quotes(overlap.a), second = in_quotes(overlap.b);
+    result.tables +=
+        fmt::format("[[contact]]\nbodies = [{}, {}]\ncollide = false\n\n", first, second);
+    result.remarks.push_back(
+        fmt::format("{} and {} overlap by {:.3g} mm at the start: they pass through each other",
+                    first, second, overlap.depth_m * 1e3));
+  }
+  return result;
+}
+
 Simulation simulate(const input::Scene& scene, const SimulationOptions& options) {
   Simulation result;
   TimeStepper stepper = stepper_of(scene);

@@ -44,6 +44,15 @@ struct Simulation {
   int motor_disagreements = 0;       ///< steps whose motors did not settle within their limits
 };
 
+/// Lets bodies that overlap at the start pass through each other, as robots' files have them.
+/// @returns the tables [[contact]] that do the same in the scene's text, and a sentence for each
+/// pair
+struct SeparatedBodies {
+  std::string tables;
+  std::vector<std::string> remarks;
+};
+SeparatedBodies separate_overlapping_bodies(input::Scene& scene);
+
 /// Runs a scene from its start.
 /// @throws InputError when bodies overlap at the start.
 Simulation simulate(const input::Scene& scene, const SimulationOptions& options = {});

@@ -40,8 +40,8 @@ fs::path robot_program() {
   if (!fs::is_regular_file(program, error) || access(program.c_str(), X_OK) != 0)
     throw InputError(program.string(),
                      "the program that reads robots' files does not exist; install the package "
-                     "softfinger-robot, or build where MuJoCo or libsdformat are (Debian: "
-                     "libmujoco-dev, libsdformat-dev)",
+                     "softfinger-robot, or build where MuJoCo, urdfdom or libsdformat are "
+                     "(Debian: libmujoco-dev, liburdfdom-dev, libsdformat-dev)",
                      "", "");
   return program;
 }

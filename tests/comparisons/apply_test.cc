@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "tests/comparisons/run_program.h"
@@ -104,7 +107,9 @@ TEST_F(Apply, WritesInPlaceOnlyWhenAsked) {
     more.insert(more.begin(), finger.begin(), finger.end());
     return more;
   };
-  expect_refusal("robot.urdf", with({}), "--output is missing");
+  const ProgramRun listed = apply("robot.urdf", with({}));
+  EXPECT_EQ(listed.status, 0) << listed.err;
+  EXPECT_NE(listed.out.find("Nothing is written"), std::string::npos) << listed.out;
   expect_refusal("robot.urdf", with({"-o", "./robot.urdf"}), "another file than MODEL");
   expect_refusal("robot.urdf", with({"-o", "out", "--in-place"}), "--in-place");
   EXPECT_EQ(file_text(folder.path() / "robot.urdf"), kUrdf);
@@ -368,6 +373,294 @@ TEST_F(Apply, RefusesWhatFitsNeitherFileNorSimulator) {
   refuse("nothing.xml", {"--finger", "tip", "--to", "mujoco"}, "nothing.xml");
   refuse("hand.xml", {"--finger", "tip_1", "--to", "mujoco", "--effective-mass-g", "nan"},
          "--effective-mass-g");
+}
+
+/// A robot whose fingers have shapes of all kinds, hinges that close towards +x, and one jaw.
+constexpr const char* kShapes =
+    "<mujoco><compiler angle='radian'/><default><geom type='sphere' size='.008'/>"
+    "<joint axis='0 1 0' range='-.2 1.6'/></default><worldbody>"
+    "<geom name='floor' type='plane' size='1 1 1'/><body name='palm'>\n"
+    "<body name='ball' pos='0 0 -.05'><joint name='j'/><geom name='ball_tip' pos='0 0 "
+    "-.03'/></body>"
+    "<body name='rod'><geom name='rod_tip' type='capsule' size='.007 .02'/></body>\n"
+    "<body name='egg'><geom name='egg_tip' type='ellipsoid' size='.01 .008 .006' "
+    "friction='1 .005 .0001'/></body>\n"
+    "<body name='brick'><geom name='brick_tip' type='box' size='.01 .01 .005'/></body>\n"
+    "<body name='can'><geom name='can_tip' type='cylinder' size='.01 .02'/></body>"
+    "</body></worldbody></mujoco>";
+
+ProgramRun apply_shapes(const Start& start, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments = {"apply",      "shapes.xml", "--to",   "mujoco",
+                                        "--layer",    "2,300,0.45", "--load", "2",
+                                        "--friction", "0.8",        "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return run_softfinger(start, arguments);
+}
+
+TEST_F(Apply, TakesTheRadiiOfTheFingersOwnShape) {
+  folder.write("shapes.xml", kShapes);
+  const auto expect_radii = [&](const std::vector<std::string>& more, double major_mm,
+                                double minor_mm) {
+    const ProgramRun run = apply_shapes(start, more);
+    ASSERT_EQ(run.status, 0) << run.err;
+    const json finger = json::parse(run.out)["fingers"][0];
+    const double round_off = 1e-9;
+    EXPECT_NEAR(1e3 * finger["relative_radii_m"][0].get<double>(), major_mm, round_off) << finger;
+    EXPECT_NEAR(1e3 * finger["relative_radii_m"][1].get<double>(), minor_mm, round_off) << finger;
+    // A case with these radii on the finger has these numbers.
+    folder.write("case.toml", "id = \"case\"\n[geometry]\nfinger = { radii_mm = [" +
+                                  std::to_string(major_mm) + ", " + std::to_string(minor_mm) +
+                                  "] }\nobject = { radii_mm = [inf, inf] }\n[layer]\n"
+                                  "thickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = "
+                                  "0.45\n[contact]\nload_N = 2\nfriction_coefficient = 0.8\n");
+    if (std::find(more.begin(), more.end(), "--object-radius-mm") != more.end()) return;
+    const json exported =
+        json::parse(run_softfinger(start, {"export", "case.toml", "--to", "mujoco", "--json"}).out);
+    // Six decimals of the radii in mm.
+    EXPECT_NEAR(finger["eccentricity_m"].get<double>() / exported["eccentricity_m"].get<double>(),
+                1, 1e-5);
+  };
+  expect_radii({"--finger", "ball", "--pad", "-z"}, 8, 8);
+  expect_radii({"--finger", "ball_tip"}, 8, 8);
+  expect_radii({"--finger", "rod_tip", "--pad", "+z"}, 7, 7);
+  expect_radii({"--finger", "egg_tip", "--pad", "+z"}, 100. / 6, 64. / 6);
+  expect_radii({"--finger", "egg_tip", "--pad", "-x"}, 64. / 10, 36. / 10);
+  expect_radii({"--finger", "egg_tip", "--pad", "egg_tip:0,8,0"}, 100. / 8, 36. / 8);
+  // Against a ball of radius R: 1/(1/r + 1/R).
+  expect_radii({"--finger", "ball_tip", "--object-radius-mm", "24"}, 6, 6);
+  expect_radii({"--finger", "rod_tip", "--pad", "+x", "--object-radius-mm", "21"}, 21, 5.25);
+}
+
+TEST_F(Apply, GivesEachFingerItsOwnNumbersInOneRun) {
+  folder.write("shapes.xml", kShapes);
+  const ProgramRun run = apply_shapes(
+      start, {"--finger", "ball", "--finger", "egg_tip", "--pad", "egg_tip:+z", "-o", "soft.xml"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json report = json::parse(run.out);
+  const std::string text = file_text(folder.path() / "soft.xml");
+  ASSERT_EQ(report["fingers"].size(), 2u);
+  for (const json& finger : report["fingers"]) {
+    const double spin_m = 0.8 * finger["eccentricity_m"].get<double>();
+    char friction[40];
+    std::snprintf(friction, sizeof friction, "0.8 %.6g 0.0001", spin_m);
+    EXPECT_NE(text.find(friction), std::string::npos) << friction << "\n" << text;
+  }
+  EXPECT_NE(report["fingers"][0]["eccentricity_m"], report["fingers"][1]["eccentricity_m"]);
+  EXPECT_EQ(report["fingers"][0]["shape"], "a sphere of radius 8 mm");
+  // The hinge about +y moves what hangs below it towards -x where it turns by a positive angle.
+  EXPECT_EQ(report["fingers"][0]["pad"], "towards -x, where joint \"j\" closes");
+  EXPECT_EQ(report["fingers"][0]["pad_is_guessed"], true);
+  EXPECT_EQ(report["fingers"][1]["pad_is_guessed"], false);
+  EXPECT_NE(run.err.find("ball: the pad is guessed towards -x"), std::string::npos) << run.err;
+}
+
+TEST_F(Apply, RefusesPadsWithoutAnEllipse) {
+  folder.write("shapes.xml", kShapes);
+  const auto refuse = [&](const std::vector<std::string>& more, const std::string& words) {
+    const ProgramRun run = apply_shapes(start, more);
+    EXPECT_EQ(run.status, 2) << run.out;
+    EXPECT_EQ(lines(run.err).size(), 1u) << run.err;
+    EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
+  };
+  refuse({"--finger", "rod", "--pad", "+x"}, "shapes.xml:2: the pad of \"rod\", the side of");
+  refuse({"--finger", "rod", "--pad", "+x"}, "--object-radius-mm");
+  refuse({"--finger", "brick", "--pad", "+z"}, "flat pads are not known yet");
+  refuse({"--finger", "can", "--pad", "+z", "--object-radius-mm", "20"}, "an end of the cylinder");
+  refuse({"--finger", "can", "--pad", "+x"}, "along a line");
+  refuse({"--finger", "floor"}, "a plane");
+  refuse({"--finger", "egg"}, "on which side");
+  refuse({"--finger", "egg", "--pad", "up"}, "--pad");
+  refuse({"--finger", "egg", "--pad", "eg:+z"}, "did you mean \"egg\"?");
+  refuse({"--finger", "egg", "--pad", "+z", "--pad", "-z"}, "one pad for each finger");
+  refuse({"--finger", "egg", "--pad", "0,0,9"}, "3 mm away");
+  refuse({"--finger", "ball", "--object-radius-mm", "0"}, "--object-radius-mm");
+  refuse({"--finger", "ball", "--thickness-mm", "2"}, "the layer once");
+  // A tilted plane touches the end 0.2 mm beside the side, and the contact is 3 mm long.
+  refuse({"--finger", "rod", "--pad", "7,0,20.2"}, "reaches beyond an end of the capsule");
+  for (const char* layer : {"2,300", "2,300,0.49,1", "2,300,0.6", "0,300,0.4", "a,b,c", "2,300,"})
+    refuse({"--finger", "ball", "--layer", layer}, "--layer");
+  EXPECT_EQ(run_softfinger(start, {"apply", "shapes.xml", "--finger", "ball", "--to", "mujoco"})
+                    .err.find("CASE is missing: allowed: --layer") == std::string::npos,
+            false);
+}
+
+TEST_F(Apply, GuessesThatAPadFacesTheOtherFingers) {
+  // Two jaws slide along y, and a third finger stands beside them on a hinge of two sides.
+  folder.write(
+      "shapes.xml",
+      "<mujoco><compiler angle='radian'/><default><geom size='.01'/></default><worldbody>"
+      "<body name='hand'><body name='left' pos='0 .05 0'><joint type='slide' axis='0 1 0' "
+      "range='0 .04'/><geom name='left_tip'/></body><body name='right' pos='0 -.05 0' "
+      "euler='0 0 3.14159265358979'><joint type='slide' axis='0 1 0' range='0 .04'/>"
+      "<geom name='right_tip'/></body><body name='third' pos='.1 .05 0'><joint name='both' "
+      "axis='0 1 0' range='-1 1'/><geom name='third_tip'/></body></body></worldbody>"
+      "</mujoco>");
+  const auto pads_of = [&](const std::vector<std::string>& more) {
+    const ProgramRun run = apply_shapes(start, more);
+    EXPECT_EQ(run.status, 0) << run.err;
+    std::vector<std::string> pads;
+    const json report = json::parse(run.out);
+    for (const json& finger : report["fingers"]) pads.push_back(finger["pad"]);
+    return pads;
+  };
+  using Pads = std::vector<std::string>;
+  EXPECT_EQ(pads_of({"--finger", "left"}), Pads{"towards -y, which faces right"});
+  // The other jaw is turned by half a turn: its own -y faces the first.
+  EXPECT_EQ(pads_of({"--finger", "right"}), Pads{"towards -y, which faces left"});
+  EXPECT_EQ(pads_of({"--finger", "left", "--finger", "third"}),
+            (Pads{"towards +x, which faces third", "towards -x, which faces left"}));
+  // Both jaws lie in the middle at [0, 0, 0]: as far along x as half along y.
+  EXPECT_EQ(pads_of({"--finger", "third", "--finger", "left", "--finger", "right"})[0],
+            "towards [-0.89, -0.45, 0.00], which faces left, right");
+  // Unnamed ones count where no other finger is named.
+  EXPECT_EQ(pads_of({"--finger", "third"}),
+            Pads{"towards [-0.89, -0.45, 0.00], which faces left, right"});
+}
+
+TEST_F(Apply, PrintsTheLinesWhereMujocoReadsNoFriction) {
+  const std::vector<std::string> arguments = {
+      "apply",      "robot.urdf", "--finger", "tip",        "--pad", "+z",   "--layer",
+      "2,300,0.45", "--load",     "2",        "--friction", "0.8",   "--to", "mujoco"};
+  const ProgramRun run = run_softfinger(start, arguments);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.out.rfind("2 N: torque", 0), 0u) << run.out;
+  EXPECT_NE(run.out.find("radii of the gap 10 x 10 mm"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("friction=\"0.8 0.00"), std::string::npos) << run.out;
+  std::vector<std::string> written = arguments;
+  written.insert(written.end(), {"-o", "out"});
+  const ProgramRun refused = run_softfinger(start, written);
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.err.find("save the model as MJCF first"), std::string::npos) << refused.err;
+}
+
+TEST_F(Apply, ChangesTheFileThatHoldsTheGeom) {
+  const std::string finger =
+      "<mujocoinclude>\n<body name='f'><include file='tip.xml'/></body></mujocoinclude>\n";
+  const std::string tip = "<mujoco><geom name='tip' size='.008'/></mujoco>\n";
+  const std::string main =
+      "<mujoco><include file='common.xml'/><worldbody><geom name='floor' type='plane' size='1 1 1' "
+      "priority='2'/><include file='parts/finger.xml'/></worldbody></mujoco>\n";
+  const std::string common =
+      "<mujoco><option cone='elliptic' impratio='10' "
+      "noslip_iterations='5'/></mujoco>\n";
+  const fs::path parts = folder.path() / "parts";
+  fs::create_directory(parts);
+  folder.write("main.xml", main);
+  folder.write("common.xml", common);
+  folder.write("parts/finger.xml", finger);
+  folder.write("parts/tip.xml", tip);
+  const std::vector<std::string> options = {"--finger", "tip", "--to", "mujoco"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), options.begin(), options.end());
+    return more;
+  };
+  expect_refusal("main.xml", with({"-o", "out"}), "geom \"tip\" lies in parts/tip.xml");
+  // A folder gets all files, of which one is different.
+  const ProgramRun copied = apply("main.xml", with({"-o", "copy/", "--json"}));
+  ASSERT_EQ(copied.status, 0) << copied.err;
+  const json report = json::parse(copied.out);
+  EXPECT_EQ(report["outputs"].size(), 4u);
+  for (const json& change : report["changes"]) EXPECT_EQ(change["file"], "parts/tip.xml");
+  EXPECT_EQ(report["changes"].size(), 3u) << "condim, priority, friction: the options are there";
+  const fs::path copy = folder.path() / "copy";
+  EXPECT_EQ(file_text(copy / "main.xml"), main);
+  EXPECT_EQ(file_text(copy / "common.xml"), common);
+  EXPECT_EQ(file_text(copy / "parts/finger.xml"), finger);
+  const std::string changed = file_text(copy / "parts/tip.xml");
+  EXPECT_EQ(changed.rfind("<mujoco><geom name='tip' size='.008' condim=\"4\" priority=\"3\" "
+                          "friction=\"0.8 0.00",
+                          0),
+            0u)
+      << changed;
+  EXPECT_EQ(file_text(parts / "tip.xml"), tip) << "an input is not changed";
+  // In place, the one that holds the geom.
+  ASSERT_EQ(apply("main.xml", with({"--in-place"})).status, 0);
+  EXPECT_EQ(file_text(parts / "tip.xml"), changed);
+  EXPECT_EQ(file_text(folder.path() / "main.xml"), main);
+  // The file of the body alone, whose root is no model.
+  folder.write("parts/tip.xml", tip);
+  const ProgramRun part = apply("parts/finger.xml", with({"--in-place"}));
+  ASSERT_EQ(part.status, 0) << part.err;
+  EXPECT_NE(part.err.find("a part of a model"), std::string::npos) << part.err;
+  EXPECT_NE(file_text(parts / "tip.xml").find("friction=\"0.8"), std::string::npos);
+  EXPECT_EQ(file_text(parts / "finger.xml"), finger) << "no <option> among bodies";
+}
+
+TEST_F(Apply, RefusesFilesThatIncludeEachOther) {
+  folder.write("main.xml", "<mujoco>\n<include file='b.xml'/></mujoco>");
+  folder.write("b.xml", "<mujoco>\n\n<include file='main.xml'/></mujoco>");
+  const std::vector<std::string> options = {"--finger", "tip", "--to", "mujoco", "-o", "out"};
+  expect_refusal("main.xml", options, "b.xml:3: file = \"main.xml\": allowed: each file once");
+  folder.write("main.xml", "<mujoco><include file='b.xml'/><include file='./b.xml'/></mujoco>");
+  folder.write("b.xml", "<mujoco/>");
+  expect_refusal("main.xml", options, "each file once");
+  folder.write("b.xml", "<mujoco");
+  folder.write("main.xml", "<mujoco><include file='b.xml'/></mujoco>");
+  expect_refusal("main.xml", options, "b.xml");
+}
+
+TEST_F(Apply, TakesTheMeshOfARobot) {
+  // A ball of 8 mm as a mesh in mm, mirrored by its scale.
+  std::string stl = "solid ball\n";
+  constexpr int kRows = 60, kColumns = 120;
+  const auto point = [](int row, int column) {
+    const double a = M_PI * row / kRows, b = 2 * M_PI * column / kColumns;
+    char line[100];
+    std::snprintf(line, sizeof line, "vertex %.7f %.7f %.7f\n", 8 * std::sin(a) * std::cos(b),
+                  8 * std::sin(a) * std::sin(b), 8 * std::cos(a) + 30);
+    return std::string(line);
+  };
+  const auto facet = [&](const std::string& corners) {
+    stl += "facet normal 0 0 0\nouter loop\n" + corners + "endloop\nendfacet\n";
+  };
+  for (int row = 0; row < kRows; ++row)
+    for (int column = 0; column < kColumns; ++column) {
+      const std::string a = point(row, column), b = point(row + 1, column),
+                        c = point(row + 1, (column + 1) % kColumns),
+                        d = point(row, (column + 1) % kColumns);
+      if (row + 1 < kRows) facet(a + b + c);
+      if (row > 0) facet(a + c + d);
+    }
+  fs::create_directory(folder.path() / "meshes");
+  folder.write("meshes/ball.stl", stl + "endsolid ball\n");
+  for (const char* scale : {".001 .001 .001", ".001 .001 -.001"}) {
+    folder.write("robot.urdf",
+                 "<robot name='r'><link name='tip'><collision><origin xyz='0 .1 0'/>"
+                 "<geometry><mesh filename='package://r/meshes/ball.stl' scale='" +
+                     std::string(scale) + "'/></geometry></collision></link></robot>");
+    const ProgramRun run = run_softfinger(
+        start, {"apply", "robot.urdf", "--finger", "tip", "--pad", "-y", "--layer", "2,300,0.45",
+                "--load", "1", "--friction", "0.8", "--to", "bullet", "--force", "--json"});
+    const json finger = json::parse(run.out)["fingers"][0];
+    // The fit of a mesh makes an error of some percent.
+    EXPECT_NEAR(1e3 * finger["relative_radii_m"][0].get<double>(), 8, 0.5) << run.err;
+    EXPECT_NEAR(finger["pad_in_body_m"][1].get<double>(), 0.092, 2e-5);
+    EXPECT_NEAR(finger["pad_in_body_m"][2].get<double>(), scale[10] == '-' ? -.03 : .03, 2e-4);
+  }
+  fs::remove(folder.path() / "meshes/ball.stl");
+  const ProgramRun missing =
+      run_softfinger(start, {"apply", "robot.urdf", "--finger", "tip", "--pad", "-y", "--layer",
+                             "2,300,0.45", "--load", "1", "--to", "bullet"});
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_NE(missing.err.find("--package-path DIR"), std::string::npos) << missing.err;
+}
+
+TEST_F(Apply, TakesTwentyThousandFingersInSeconds) {
+  constexpr int kFingers = 20'000;
+  std::string text = "<mujoco><worldbody>";
+  std::vector<std::string> arguments = {"apply", "many.xml",   "--layer", "2,300,0.45", "--load",
+                                        "2",     "--friction", "0.8",     "--pad",      "+z",
+                                        "--to",  "mujoco",     "-o",      "soft.xml",   "--json"};
+  for (int i = 0; i < kFingers; ++i) {
+    const std::string number = std::to_string(i);
+    text += "<body name='b" + number + "'><geom name='g" + number + "' size='.01' contype='" +
+            number + "'/></body>";
+    arguments.insert(arguments.end(), {"--finger", "g" + number});
+  }
+  folder.write("many.xml", text + "</worldbody></mujoco>");
+  const ProgramRun run = run_softfinger(start, arguments);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(json::parse(run.out)["fingers"].size(), std::size_t(kFingers));
 }
 
 }  // namespace softfinger::tests

@@ -87,6 +87,39 @@ TEST_F(MujocoApply, GivesTheContactTheModelsNormalStiffness) {
   EXPECT_NEAR(stiffness / report["normal_stiffness_N_per_m"].get<double>(), 1, 1e-4);
 }
 
+TEST_F(MujocoApply, ReadsACopyOfAModelThatIncludesItsFinger) {
+  folder.write("hand.xml",
+               "<mujoco><include file='common.xml'/><worldbody><geom type='plane' size='1 1 1'/>"
+               "<body name='palm'><include file='finger.xml'/></body></worldbody></mujoco>");
+  folder.write("common.xml",
+               "<mujoco><default><geom type='capsule' size='.006 .01'/></default>"
+               "<option timestep='.001'/></mujoco>");
+  folder.write("finger.xml",
+               "<mujocoinclude><body name='finger' pos='0 0 .1'><joint axis='0 1 0'/>"
+               "<geom name='tip'/><geom name='other' pos='0 .05 0'/></body></mujocoinclude>");
+  const ProgramRun run = run_softfinger(
+      {folder.path(), {}, -1, ""},
+      {"apply", "hand.xml", "--finger", "tip", "--pad", "-z", "--layer", "2,300,0.45", "--load",
+       "2", "--friction", "0.8", "--to", "mujoco", "-o", "copy/", "--json"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json finger = json::parse(run.out)["fingers"][0];
+  const Model model = load("copy/hand.xml");
+  ASSERT_TRUE(model);
+  EXPECT_EQ(model->opt.cone, mjCONE_ELLIPTIC);
+  EXPECT_EQ(model->opt.timestep, 0.001);
+  const int tip = mj_name2id(model.get(), mjOBJ_GEOM, "tip");
+  const int other = mj_name2id(model.get(), mjOBJ_GEOM, "other");
+  EXPECT_EQ(model->geom_condim[tip], 4);
+  EXPECT_EQ(model->geom_condim[other], 3);
+  const double six_digits = 5e-6, radius_m = model->geom_size[3 * tip];
+  EXPECT_NEAR(model->geom_friction[3 * tip + 1] / (0.8 * finger["eccentricity_m"].get<double>()), 1,
+              six_digits);
+  EXPECT_NEAR(finger["relative_radii_m"][1].get<double>(), radius_m, 1e-12);
+  // The end of the capsule, which lies along z.
+  EXPECT_NEAR(finger["pad_in_body_m"][2].get<double>(), -model->geom_size[3 * tip + 1] - radius_m,
+              1e-12);
+}
+
 TEST_F(MujocoApply, ChangedUrdfIsStillRead) {
   const std::string inertia =
       "<inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"

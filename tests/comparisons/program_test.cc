@@ -1215,9 +1215,9 @@ TEST_F(Program, RunsTheSamplesOfItsHelp) {
   folder.write("step_0002.txt", contact_problem_text());
   folder.write("hand.xml", file_text(SOFTFINGER_HAND));
   for (const std::string command :
-       {"",          "predict", "fit",    "fem",        "compare", "select",  "experiments",
-        "calibrate", "area",    "export", "apply",      "list",    "explain", "lcp",
-        "mesh",      "init",    "doctor", "completion", "manual",  "explore"}) {
+       {"",          "predict", "fit",    "fem",    "compare",    "select", "experiments",
+        "calibrate", "area",    "export", "apply",  "lint",       "list",   "explain",
+        "lcp",       "mesh",    "init",   "doctor", "completion", "manual", "explore"}) {
     const ProgramRun help = command.empty() ? run({"--help"}) : run({command, "--help"});
     ASSERT_EQ(help.status, 0);
     int here = 0;

@@ -17,6 +17,7 @@
 #include "comparisons/input/scene.h"
 #include "comparisons/robots/mujoco_contacts.h"
 #include "comparisons/robots/mujoco_scene.h"
+#include "comparisons/robots/urdf_scene.h"
 #include "comparisons/simulation/simulate.h"
 #include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/input/constants.h"
@@ -75,8 +76,10 @@ class Robots : public testing::Test {
  protected:
   input::Scene import(const std::string& name, const std::string& text,
                       const std::vector<robots::FingerLayer>& layers = {}) {
+    const fs::path file = folder_.write(name, text);
     const robots::ImportedScene imported =
-        robots::import_robot(folder_.write(name, text), folder_.path(), "robot", layers);
+        file.extension() == ".urdf" ? robots::import_urdf(file, folder_.path(), "robot", layers)
+                                    : robots::import_robot(file, folder_.path(), "robot", layers);
     notes_ = imported.notes;
     text_ = imported.text;
     return input::parse_scene(imported.text, folder_.path() / "robot.toml");
@@ -544,11 +547,16 @@ const char* const kGripper = R"(<robot name="gripper">
   <gazebo reference="left"/>
 </robot>)";
 
-TEST_F(Robots, OfUrdfSayWhatMujocoDoesNotRead) {
-  EXPECT_EQ(import("grip.urdf", kGripper).bodies.size(), 3u);
-  for (const char* words :
-       {"joint \"jr\" moves by itself, not as joint \"jl\"",
-        "the effort and velocity limits of joints \"jl\" are left out", "1 <gazebo> are left out"})
+TEST_F(Robots, OfUrdfSayWhatASceneHasNot) {
+  const input::Scene scene = import("grip.urdf", kGripper);
+  EXPECT_EQ(scene.bodies.size(), 3u);
+  ASSERT_EQ(scene.motors.size(), 1u);
+  EXPECT_EQ(scene.motors[0].max_effort, 10);
+  ASSERT_EQ(scene.joints.size(), 2u);
+  EXPECT_EQ(scene.joints[1].leader, 0);
+  EXPECT_EQ(scene.joints[1].ratio, 1);
+  for (const char* words : {"1 velocity limits are left out", "1 <gazebo> are left out",
+                            "the root link \"base\" stands in the world"})
     EXPECT_TRUE(is_noted(words)) << words;
   for (const char* upper : {"-1", "nan", "x"}) {
     std::string text = kGripper;
@@ -771,9 +779,38 @@ TEST_F(Robots, SayWhatTheyLeaveOut) {
     <tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>
     <actuator><general name="g" tendon="t"/></actuator>
     <sensor><jointpos joint="j"/></sensor></mujoco>)");
-  for (const char* words :
-       {"dry friction of joint \"j\"", "actuator \"g\"", "1 tendons", "1 sensors"})
+  for (const char* words : {"actuator \"g\"", "1 tendons", "1 sensors"})
     EXPECT_TRUE(is_noted(words)) << words;
+}
+
+/// Newer elements and attributes are left out where they change no motion, and refused otherwise.
+TEST_F(Robots, OfNewerMjcfAreReadOrRefusedByName) {
+  const auto body = [](const std::string& inside, const std::string& before = "") {
+    return "<mujoco>\n" + before + "<worldbody>\n<body name=\"a\">" + inside +
+           "</body></worldbody></mujoco>";
+  };
+  const std::string hinge = "<joint name=\"j\"/><geom size=\"0.1\"/>";
+  import("new.xml", body(hinge + "<site name=\"s\" newer=\"1\"/>",
+                         "<option sdf_iterations=\"5\"/><size memory=\"2M\"/>"
+                         "<visual><global newest=\"1\"/></visual>"));
+  EXPECT_TRUE(is_noted("3 parts of the file are newer than MuJoCo"));
+  for (const auto& [text, words] :
+       {std::pair(body("<geom size=\"0.1\" magic=\"3\"/>"),
+                  "new.xml:3: attribute magic = \"3\" of <geom>"),
+        std::pair(body(hinge + "<plugin/>"), "element <plugin> in <body>"),
+        std::pair(body(hinge, "<option actuatorgroupdisable=\"1\"/>"), "actuatorgroupdisable"),
+        std::pair(body(hinge, "<option><flag damper=\"disable\"/></option>"), "damper"),
+        std::pair(body("<flexcomp/>"), "<flexcomp>"),
+        std::pair(body("<replicate count=\"3\"/>"), "<replicate>"),
+        std::pair(body(hinge, "<include file=\"none.xml\"/>"), "a file that is there"),
+        std::pair(body(hinge, "<include file=\"new.xml\"/>"), "each file once")}) {
+    try {
+      import("new.xml", text);
+      ADD_FAILURE() << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
+    }
+  }
 }
 
 TEST_F(Robots, AreBlamedByTheirOwnNames) {
@@ -803,11 +840,6 @@ TEST_F(Robots, AreBlamedByTheirOwnNames) {
   crossed.replace(crossed.find("-0.5"), 4, "0.5");
   begins(refusal("crossed.urdf", crossed), "crossed.urdf:16: joint \"jr\": limits");
   const char* const box = "<freejoint/><geom type='box' size='1 1 1'/></body>";
-  const std::string overlapping = std::string("<mujoco><worldbody><body name='a'>") + box +
-                                  "<body name='b' pos='1 0 0'>" + box + "</worldbody></mujoco>";
-  const std::string overlap = refusal("Over.XML", overlapping);
-  begins(overlap, "Over.XML: overlap of \"a\" and \"b\"");
-  EXPECT_NE(overlap.find("collide = false"), std::string::npos) << overlap;
   begins(refusal("step.xml", "<mujoco><option timestep='0'/></mujoco>"),
          "step.xml: <option> timestep = 0");
   // Longer than the scene.
@@ -821,6 +853,29 @@ TEST_F(Robots, AreBlamedByTheirOwnNames) {
          "joint.urdf:2: joint \"j\": type = \"nonsense\": allowed: revolute, continuous");
   for (const char* file : {"robot.txt", "robot.toml"})
     EXPECT_NE(refusal(file, kGripper).find(".xml, .mjcf, .urdf or .sdf"), std::string::npos);
+}
+
+/// Two boxes that overlap pass through each other, in the scene that is kept, too.
+TEST_F(Robots, KeepWhatOverlapsApartAtTheStart) {
+  Start start;
+  start.folder = folder_.path();
+  folder_.write("over.xml",
+                "<mujoco><worldbody><body name='a'><freejoint/><geom type='box' size='1 1 1'/>"
+                "</body><body name='b' pos='1.5 0 0'><freejoint/><geom type='box' size='1 1 1'/>"
+                "</body><body name='c' pos='0 0 2.5'><freejoint/><geom type='box' size='1 1 1'/>"
+                "</body></worldbody></mujoco>");
+  const ProgramRun run =
+      run_softfinger(start, {"simulate", "over.xml", "--set", "simulation.duration_s=0.01",
+                             "--write-scene", "over.toml"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.err.find("\"a\" and \"b\" overlap by 500 mm at the start"), std::string::npos)
+      << run.err;
+  const ProgramRun kept =
+      run_softfinger(start, {"simulate", "over.toml", "--set", "simulation.duration_s=0.01"});
+  EXPECT_EQ(kept.status, 0) << kept.err;
+  const input::Scene scene = input::read_scene(folder_.path() / "over.toml");
+  EXPECT_FALSE(scene.rule(0, 1).collide);
+  EXPECT_TRUE(scene.rule(0, 2).collide);
 }
 
 TEST_F(Robots, DoNotWaitForPipes) {
@@ -841,8 +896,9 @@ TEST_F(Robots, DoNotWaitForPipes) {
   const std::string urdf =
       "<robot name='r'>\n<link name='tip'><collision><geometry>\n<mesh "
       "filename='package://hand/meshes/tip.stl'/></geometry></collision></link></robot>";
+  fs::create_directories(folder_.path() / "hand" / "meshes");
   for (const std::string& said :
-       {refusal("meshes/tip.stl", mjcf), refusal("tip.stl", urdf),
+       {refusal("meshes/tip.stl", mjcf), refusal("hand/meshes/tip.stl", urdf),
         refusal("part.xml", "<mujoco>\n\n<include file='part.xml'/></mujoco>")})
     EXPECT_NE(said.find("pipe.xml:3: file = \""), std::string::npos) << said;
 }

@@ -313,5 +313,62 @@ TEST(BallJoint, PendulumTurnsAboutTheVerticalAtTheConicalRate) {
   EXPECT_LE(error, l * rate * 2 * (std::pow(rate * 1e-3, 2) / 4 + std::pow(1e-3 / l, 2)));
 }
 
+/// Two hinges as gears have them: a pendulum lifts another one at half its angle. Mass and energy
+/// are those of the closed form of one angle.
+TEST(Followers, MoveAsGearsMakeThem) {
+  const double ratio = -0.5, length_m = 0.3, dt = 1e-3;
+  const auto pendulums = [&](double leader_rad) {
+    std::vector<BodyDescription> bodies;
+    std::vector<JointDescription> joints;
+    for (int i = 0; i < 2; ++i) {
+      const double angle = (i == 0 ? 1 : ratio) * leader_rad;
+      bodies.push_back(rod(i == 0 ? "a" : "b", Vector2d(i, 0),
+                           Vector2d(i + length_m * std::sin(angle), -length_m * std::cos(angle))));
+      joints.push_back(hinge(i == 0 ? "ja" : "jb", -1, i, Vector2d(i, 0)));
+    }
+    joints[1].leader = 0;
+    joints[1].ratio = ratio;
+    return Multibody(bodies, joints);
+  };
+  const double start_rad = 0.8;
+  TimeStepper stepper(pendulums(start_rad), {}, fall_with(dt));
+  SimpleContacts none;
+  const double start_J = energy_J(stepper.bodies());
+  // A rod of m = l kg, 0.01 m thick: (m l²/3 + its thickness) a'' = -m g l/2 sin a, and ratio² and
+  // ratio sin(ratio a) of the other.
+  const double inertia = length_m * (length_m * length_m / 3 + 0.01 * 0.01 / 12),
+               weight = kFall * length_m * length_m / 2;
+  const auto acceleration = [&](double a) {
+    return -weight * (std::sin(a) + ratio * std::sin(ratio * a)) / (inertia * (1 + ratio * ratio));
+  };
+  double angle = start_rad, speed = 0;
+  for (int i = 0; i < 2000; ++i) {
+    ASSERT_TRUE(stepper.step(none).done());
+    const double h = dt / 10;
+    for (int k = 0; k < 10; ++k) {  // the middle of each tenth of a step: of second order
+      const double half = speed + h / 2 * acceleration(angle);
+      angle += h * half;
+      speed = half + h / 2 * acceleration(angle);
+    }
+    const double opening =
+        stepper.bodies().joint_position(1) - ratio * stepper.bodies().joint_position(0);
+    ASSERT_LT(std::abs(opening), 1e-9);
+  }
+  EXPECT_NEAR(stepper.bodies().joint_position(0), angle - start_rad, 1e-4);
+  EXPECT_NEAR(energy_J(stepper.bodies()), start_J, 1e-5);
+}
+
+TEST(Followers, AreRefusedInRings) {
+  std::vector<BodyDescription> bodies = {rod("a", {0, 0}, {0.1, 0}), rod("b", {1, 0}, {1.1, 0})};
+  std::vector<JointDescription> joints = {hinge("ja", -1, 0, {0, 0}), hinge("jb", -1, 1, {1, 0})};
+  joints[0].leader = 1;
+  joints[1].leader = 0;
+  EXPECT_THROW(Multibody(bodies, joints), InputError);
+  joints[1].leader = 1;
+  EXPECT_THROW(Multibody(bodies, joints), InputError);
+  joints[1].leader = 7;
+  EXPECT_THROW(Multibody(bodies, joints), InputError);
+}
+
 }  // namespace
 }  // namespace softfinger

@@ -164,7 +164,7 @@ TEST_F(SceneProgram, RefusesMoreThanASceneMayHold) {
   expect_refusal(good + repeated("[[joint]]\n", 1000), 14, {"[[joint]] = 1001 entries", "1000"});
   expect_refusal(good + repeated("[[motor]]\n", 1001), 20, {"[[motor]] = 1001 entries", "1000"});
   expect_refusal(good + repeated("[[force]]\n", 1001), 20, {"[[force]] = 1001 entries", "1000"});
-  expect_refusal(good + repeated("[[contact]]\n", 1001), 20, {"[[contact]] = 1001 entries"});
+  expect_refusal(good + repeated("[[contact]]\n", 20001), 20, {"[[contact]] = 20001 entries"});
   const std::string motor = "[[motor]]\njoint = \"rail\"\n";
   expect_refusal(good + motor + "effort_N = [1]\ntime_s = [" + repeated("1,", 10001) + "]\n", 23,
                  {"time_s = 10001 entries", "at most 10000"});

@@ -5,36 +5,9 @@
 // MuJoCo's friction is soft, so that the criteria are accelerations. The simulator's largest torque is
 // what the applied one is less inertia times acceleration. FOLDER keeps the package from npm.
 import {spawnSync} from 'node:child_process';
-import {copyFileSync, existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
-import {dirname, join} from 'node:path';
-import {fileURLToPath, pathToFileURL} from 'node:url';
+import {loadMujoco} from './load_mujoco.mjs';
 
 const [test, softfinger, npm, folder] = process.argv.slice(2);
-const here = dirname(fileURLToPath(import.meta.url));
-const skipped = 77;  // CTest's SKIP_RETURN_CODE
-
-/** MuJoCo, fetched unless it is there at the version of the lock file. */
-async function loadMujoco() {
-  const lock = readFileSync(join(here, 'package-lock.json'), 'utf8');
-  const stamp = join(folder, 'installed');
-  if (!existsSync(stamp) || readFileSync(stamp, 'utf8') !== lock) {
-    mkdirSync(folder, {recursive: true});
-    for (const file of ['package.json', 'package-lock.json', '.npmrc'])
-      copyFileSync(join(here, file), join(folder, file));
-    const words = ['ci', '--ignore-scripts', '--no-audit', '--no-fund', '--prefer-offline', '--fetch-retries=1',
-      '--fetch-retry-mintimeout=1000', '--fetch-timeout=60000', '--loglevel=error'];
-    const run = spawnSync(npm, words, {cwd: folder, encoding: 'utf8', timeout: 150_000});
-    if (run.status !== 0) {
-      // A package that is not the one of the lock file is a failure, not a missing network.
-      const isChanged = /EINTEGRITY|EUSAGE/.test(run.stderr);
-      console.log(`${isChanged ? 'failed' : 'skipped'}: npm cannot fetch @mujoco/mujoco\n${run.stderr}`);
-      process.exit(isChanged ? 1 : skipped);
-    }
-    writeFileSync(stamp, lock);
-  }
-  const path = join(folder, 'node_modules', '@mujoco', 'mujoco', 'mujoco.js');
-  return (await import(pathToFileURL(path))).default();
-}
 
 /** What the program prints. An answer that is not usable (status 1) is an answer, too. */
 function ask(...words) {
@@ -136,6 +109,6 @@ const tests = {
   },
 };
 
-const mujoco = await loadMujoco();
+const mujoco = await loadMujoco(npm, folder);
 tests[test](mujoco);
 process.exit(failures > 0 ? 1 : 0);

@@ -1,8 +1,11 @@
 // Models of robots: each finger of a file is given a contact, and what was written is read again.
 
+#include <cmath>
 #include <exception>
 
 #include "comparisons/exporting/robot_file.h"
+#include "comparisons/exporting/robot_lint.h"
+#include "comparisons/exporting/shape_pad.h"
 #include "softfinger/input/errors.h"
 #include "tests/fuzz/target.h"
 
@@ -26,16 +29,36 @@ void apply_twice(const std::string& text, const std::string& finger,
   std::string once;
   try {
     XmlFile file(text, "fuzzed.xml");
-    exporting::apply_contact(file, {finger}, simulator, wanted);
+    exporting::apply_contact(file, {finger}, simulator, {wanted});
     once = file.text();
   } catch (const InputError&) {
     return;
   }
   try {
     XmlFile again(once, "written.xml");
-    exporting::apply_contact(again, {finger}, simulator, wanted);
+    exporting::apply_contact(again, {finger}, simulator, {wanted});
   } catch (const InputError&) {
     std::terminate();  // what was written is not read
+  }
+}
+
+/// The pads of a file's shapes, and the judgement of its numbers.
+void judge(const XmlFile& file) {
+  try {
+    const exporting::RobotShapes shapes =
+        read_shapes(file, exporting::format_of(file), exporting::Mjcf(file));
+    for (const exporting::RobotShape& shape : shapes.shapes)
+      for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d direction = Eigen::Vector3d::Unit(axis);
+        const exporting::Pad towards = exporting::pad_towards(shape.kind, direction);
+        const exporting::Pad near = exporting::pad_near(shape.kind, 0.01 * direction);
+        if (std::isnan(towards.minor_radius_m) || std::isnan(near.minor_radius_m)) std::terminate();
+      }
+    for (const exporting::LintedNumber& number :
+         exporting::lint(file, {}, [](const exporting::NamedMesh&) { return std::nullopt; }))
+      if (number.verdict != exporting::LintVerdict::possible && number.reason.empty())
+        std::terminate();
+  } catch (const InputError&) {
   }
 }
 
@@ -45,6 +68,7 @@ bool read(std::string_view bytes) {
     const XmlFile file(text, "fuzzed.xml");
     if (file.text() != text) std::terminate();
     format_of(file);
+    judge(file);
   } catch (const InputError&) {
     return false;
   }
@@ -57,7 +81,8 @@ bool read(std::string_view bytes) {
 std::vector<std::string> seeds() {
   return {
       "<mujoco><option timestep='0.002'/><option cone=\"pyramidal\"/>\n<worldbody>\n"
-      "  <body name='finger'>\n    <geom name='tip' size='.01'/>\n    <geom size='.02'/>\n  "
+      "  <body name='finger'>\n    <geom name='tip' size='.01' friction='1 .1 .2'/>\n    <geom "
+      "size='.02'/>\n  "
       "</body>\n"
       "</worldbody><contact><pair geom1='floor' geom2='tip'/></contact></mujoco>\n",
       "<?xml version=\"1.0\"?>\n<robot name='r'><!-- a comment --><link name=\"tip\"><collision>"

@@ -158,8 +158,23 @@ void Multibody::check(int j) const {
     refuse("axis", "", "a direction: three finite numbers, not all 0");
   if (!(joint.rotor_inertia >= 0) || !std::isfinite(joint.rotor_inertia))
     refuse("rotor inertia", "", "a finite number >= 0");
+  if (!(joint.dry_friction >= 0) || !std::isfinite(joint.dry_friction))
+    refuse("dry friction", "", "a finite number >= 0");
   if (!(joint.lower <= joint.start && joint.start <= joint.upper) || !std::isfinite(joint.start))
     refuse("limits", "", "lower <= start <= upper");
+  if (joint.leader < 0) return;
+  const auto moves = [this](int one) {
+    const JointKind kind = joints_[std::size_t(one)].kind;
+    return kind == JointKind::revolute || kind == JointKind::prismatic;
+  };
+  if (joint.leader >= joints() || !moves(j) || !moves(joint.leader))
+    refuse("leader", "", "a revolute or prismatic joint, of another such joint");
+  if (!std::isfinite(joint.ratio)) refuse("ratio", "", "a finite number");
+  int leader = joint.leader;
+  for (int steps = 0; leader >= 0 && leader < joints() && steps <= joints(); ++steps) {
+    if (leader == j) refuse("leader", "", "a joint that does not follow this one");
+    leader = joints_[std::size_t(leader)].leader;
+  }
 }
 
 void Multibody::check(const LoopDescription& loop) const {
@@ -286,6 +301,11 @@ void Multibody::build_trees() {
     const int a = seed_of(loop.a), b = seed_of(loop.b);
     if (a >= 0 && b >= 0) first_of[std::size_t(first(b))] = first(a);
   }
+  for (const JointDescription& joint : joints_) {
+    if (joint.leader < 0) continue;
+    const int a = seed_of(joint.child), b = seed_of(joints_[std::size_t(joint.leader)].child);
+    if (a >= 0 && b >= 0) first_of[std::size_t(first(b))] = first(a);
+  }
   std::vector<char> has_grown(first_of.size(), 0);
   for (const int seed : seeds) {
     if (has_grown[std::size_t(first(seed))]) continue;
@@ -314,6 +334,13 @@ void Multibody::build_trees() {
     const int tree = std::max(tree_of_end(loop.a), tree_of_end(loop.b));
     parts_[std::size_t(tree)].loops.push_back(int(l));
     trees_[std::size_t(tree)].loop_rows += count_loop_rows(loop.kind);
+    trees_[std::size_t(tree)].single = false;
+  }
+  for (int j = 0; j < joints(); ++j) {
+    if (joints_[std::size_t(j)].leader < 0) continue;
+    const int tree = tree_of(joints_[std::size_t(j)].child);
+    parts_[std::size_t(tree)].followers.push_back(j);
+    ++trees_[std::size_t(tree)].loop_rows;
     trees_[std::size_t(tree)].single = false;
   }
 }
@@ -355,6 +382,14 @@ void Multibody::loops(const Tree& tree, Eigen::MatrixXd& jacobian, Eigen::Vector
       jacobian.row(row) = relative.row(i);
       opening[row++] = by[i];
     }
+  }
+  for (const int j : parts(tree).followers) {
+    const JointDescription& joint = joints_[std::size_t(j)];
+    const int leader = joint.leader;
+    jacobian(row, velocity_of_joint(j) - tree.first) = 1;
+    jacobian(row, velocity_of_joint(leader) - tree.first) -= joint.ratio;
+    opening[row++] = joint_position(j) - joint.start -
+                     joint.ratio * (joint_position(leader) - joints_[std::size_t(leader)].start);
   }
 }
 

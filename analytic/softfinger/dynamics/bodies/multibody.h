@@ -42,6 +42,13 @@ struct JointDescription {
   /// The inertia of a motor that turns with the joint, times its gear ratio squared; kg m2, or kg
   /// for a prismatic joint. It counts for the joint's own velocity alone (armature). >= 0
   double rotor_inertia = 0;
+  /// The largest effort of dry friction, of a hinge or slide: below it the joint holds, above it
+  /// slides against it; N m or N. >= 0
+  double dry_friction = 0;
+  /// The joint that this one follows, as gears or a linkage make it: it moves by `ratio` times what
+  /// that one moves, from the start on. Both are hinges or slides. -1: none
+  int leader = -1;
+  double ratio = 1;  ///< rad/rad, m/m, rad/m or m/rad
 };
 
 /// Holds two bodies of a closed chain together, as the joint of that kind would: the chain's bodies
@@ -132,7 +139,8 @@ class Multibody {
                             double sign, Eigen::Ref<Eigen::MatrixXd> rows) const;
 
   /// G and c of a tree's loops: they stay closed with G v = 0, and c, in m and rad, is by how much
-  /// they are open. A ball has three rows, a revolute or prismatic loop five, a fixed one six.
+  /// they are open. A ball has three rows, a revolute or prismatic loop five, a fixed one six. A
+  /// joint that follows another has one.
   void loops(const Tree& tree, Eigen::MatrixXd& jacobian, Eigen::VectorXd& opening) const;
 
   /// Adds the generalised forces of a force at a point and a torque, world axes.
@@ -181,6 +189,7 @@ class Multibody {
   struct Parts {
     std::vector<int> roots, joints, bodies;  ///< joints: parents first; bodies: all that move
     std::vector<int> loops;
+    std::vector<int> followers;  ///< joints that follow others
   };
 
   bool is_angular(const Dof& dof) const {

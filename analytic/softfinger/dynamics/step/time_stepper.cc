@@ -79,10 +79,34 @@ void TimeStepper::collect(ContactFinder& finder) {
     // Limits farther away join them only when a step would break them: then it is solved again.
     const double reach = std::max(2 * dt * std::abs(bodies_.velocity()[dof]), 1e-2);
     const double position = bodies_.joint_position(j);
+    if (joint.dry_friction > 0) limits_.push_back({j, kDryFriction, 0});
     if (position - joint.lower < reach) limits_.push_back({j, 1, position - joint.lower});
     if (joint.upper - position < reach) limits_.push_back({j, -1, joint.upper - position});
   }
   describe_rows();
+  if (drop_locked_contacts()) describe_rows();
+}
+
+/// Leaves out contacts that no velocity can open or close: bodies that only slide along each other
+/// on their joints. What they are pressed by is not determined, and nothing would change by it.
+bool TimeStepper::drop_locked_contacts() {
+  constexpr double kRounding = 1e-12;
+  std::vector<double> along(contacts_.size()), any(contacts_.size());
+  for (std::size_t t = 0; t < touching_.size(); ++t)
+    for (std::size_t n = 0; n < touching_[t].size(); ++n) {
+      const Touching& touching = touching_[t][n];
+      if (touching.joint >= 0) continue;
+      const auto block = jacobians_[t].middleRows<3>(4 * Eigen::Index(n));
+      const auto row = std::size_t(touching.row);
+      along[row] = std::max(along[row], block.row(0).lpNorm<Eigen::Infinity>());
+      any[row] = std::max(any[row], block.lpNorm<Eigen::Infinity>());
+    }
+  const std::size_t before = contacts_.size();
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < before; ++i)
+    if (along[i] > kRounding * any[i]) contacts_[kept++] = contacts_[i];
+  contacts_.resize(kept);
+  return kept < before;
 }
 
 /// Limits that the new velocities would break although they were thought far away: a stiff motor
@@ -133,7 +157,11 @@ void TimeStepper::describe_rows() {
     for (int n = 0; n < int(touching_[t].size()); ++n) {
       const Touching& touching = touching_[t][std::size_t(n)];
       if (touching.joint >= 0) {
-        rows(4 * n, bodies_.velocity_of_joint(touching.joint) - tree.first) = touching.sign;
+        const int dof = bodies_.velocity_of_joint(touching.joint) - tree.first;
+        if (touching.sign == kDryFriction)
+          rows(4 * n + 1, dof) = 1;
+        else
+          rows(4 * n, dof) = touching.sign;
         continue;
       }
       const Contact& contact = contacts_[std::size_t(touching.row)];
@@ -201,7 +229,37 @@ void TimeStepper::assemble() {
     if (island.problem.root.cols() > 0)
       island.problem.root.resizeNonZeros(island.problem.root.outerIndexPtr()[island.root_columns]);
   add_compliance();
+  add_dry_friction();
   describe_rebounds();
+}
+
+/// The dry friction of joints is that of contacts with a known normal impulse, dt times the largest
+/// effort: it belongs to a body of its own, which nothing else moves, so that the row of the normal
+/// has no other solution. The joint's velocity is the first tangential one. The others are at rest,
+/// and so are their impulses zero.
+void TimeStepper::add_dry_friction() {
+  const double dt = options_.time_step_s;
+  const int nc = int(contacts_.size());
+  for (int i = 0; i < int(limits_.size()); ++i) {
+    if (limits_[std::size_t(i)].sign != kDryFriction) continue;
+    const int row = nc + i;
+    const Place& place = place_of_row_[std::size_t(row)];
+    auto diagonal = islands_[std::size_t(place.island)].problem.delassus.diagonal().segment<4>(
+        4 * place.position);
+    const double most = dt * bodies_.joint(limits_[std::size_t(i)].joint).dry_friction;
+    // Loops may lock the joint: then there is nothing to resist.
+    problem_.friction_coefficient[row] = diagonal[1] > 0 ? 1 : 0;
+    const double response = diagonal[1] > 0 ? diagonal[1] : 1;
+    // Any response will do. Residuals are relative to the largest velocity of a problem: this one
+    // is neither far above nor far below that of the joint.
+    constexpr double kLeastPart = 1e-3;
+    const double stopped = response * most;
+    const double speed =
+        std::clamp(std::abs(problem_.free_velocity[4 * row + 1]), kLeastPart * stopped, stopped);
+    diagonal[0] = speed / most;
+    diagonal.tail<2>().setConstant(response);
+    problem_.free_velocity[4 * row] = -speed;
+  }
 }
 
 TimeStepper::Island& TimeStepper::island_of(const std::vector<Touching>& rows) {
@@ -225,6 +283,9 @@ void TimeStepper::begin_roots() {
   for (std::size_t i = 0; i < contacts_.size(); ++i)
     if (!contacts_[i].compliance.isZero(0))
       root_columns_[std::size_t(place_of_row_[i].island)] = kNone;
+  for (std::size_t i = 0; i < limits_.size(); ++i)
+    if (limits_[i].sign == kDryFriction)
+      root_columns_[std::size_t(place_of_row_[contacts_.size() + i].island)] = kNone;
   for (std::size_t i = 0; i < islands_.size(); ++i) {
     const int rows = 4 * int(islands_[i].rows.size());
     islands_[i].root_columns = 0;
@@ -347,6 +408,9 @@ void TimeStepper::add_tree(std::size_t t) {
         // less.
         constexpr double kLocked = 1e-12;
         if (k == n) block(0, 0) = std::max(block(0, 0), kLocked * free_response);
+        // Loops may leave a joint a response of nothing, which rounding makes negative.
+        if (k == n && list[n].joint >= 0 && list[n].sign == kDryFriction)
+          block(1, 1) = std::max(block(1, 1), 0.);
         delassus.block<4, 4>(j, i) += block;
         if (k != n) delassus.block<4, 4>(i, j) += block.transpose();
       }
@@ -405,7 +469,8 @@ void TimeStepper::find_islands() {
   last_places_.swap(place_of_row_);
   ids_.clear();
   for (const Contact& contact : contacts_) ids_.push_back(contact.id);
-  for (const Limit& limit : limits_) ids_.push_back(-2 - 2 * long(limit.joint) - (limit.sign > 0));
+  for (const Limit& limit : limits_)
+    ids_.push_back(-2 - 3 * long(limit.joint) - (limit.sign > 0 ? 1 : limit.sign < 0 ? 0 : 2));
   place_of_row_.clear();
   island_of_root_.assign(island_of_tree_.size(), -1);
   island_sizes_.clear();

@@ -67,7 +67,7 @@ struct ContactWrench {
 
 struct StepResult {
   LcpResult lcp;
-  int contacts = 0;             ///< rows of joint limits not counted
+  int contacts = 0;             ///< rows of joints not counted
   int smooth_trees = 0;         ///< that moved in second order
   double restitution_used = 1;  ///< 1, or the part of it that makes no energy
   int motor_changes = 0;        ///< motors that met or left their limits within the step
@@ -103,7 +103,9 @@ struct StepResult {
 /// load, and its trees have no motors with stiffness or damping, which act implicitly, the trees
 /// move in second order instead (SmoothMotion), unless that would close a gap: then v' stands, of
 /// which the gaps know. So the energy of bodies that touch never grows, and that of bodies that do
-/// not touch stays. Joint limits are contacts without friction.
+/// not touch stays. Joint limits are contacts without friction. The dry friction of joints is part
+/// of the same problem, too: an effort of at most that size which holds the joint where it can, and
+/// else opposes its velocity.
 ///
 /// If a contact is elastic, the step uses its sliding velocity in place of its tangential velocity
 /// J v':
@@ -154,7 +156,8 @@ class TimeStepper {
   Eigen::Vector4d contact_velocity(int contact) const;
   double eccentricity_m(int contact) const { return problem_.eccentricity_m[contact]; }
   double friction_coefficient(int contact) const { return problem_.friction_coefficient[contact]; }
-  /// The last problem, as solved; rows of joint limits come behind the contacts. Assembled here. It
+  /// The last problem, as solved; rows of joint limits and dry friction come behind the
+  /// contacts. Assembled here. It
   /// has a root where those of all islands have.
   ContactLcp problem() const;
   const Eigen::VectorXd& free_velocity() const { return problem_.free_velocity; }  ///< its own
@@ -171,11 +174,12 @@ class TimeStepper {
   struct Touching {  ///< a row block of the problem and the columns of one tree
     int row = 0;
     int body_a = -1, body_b = -1;  ///< those of the tree, -1: the other side
-    int joint = -1;                ///< a joint limit instead
-    double sign = 1;
+    int joint = -1;                ///< a joint limit, or dry friction, instead
+    double sign = 1;               ///< as that of `Limit`
   };
 
   void collect(ContactFinder& finder);
+  bool drop_locked_contacts();
   bool add_broken_limits();
   void describe_rows();
   void factorise();
@@ -185,6 +189,7 @@ class TimeStepper {
   void add_to_root(const std::vector<Touching>& rows, const Eigen::MatrixXd& half);
   void add_tree(std::size_t tree);
   void add_compliance();
+  void add_dry_friction();
   double approach_m_per_s(const Contact& contact) const;
   Eigen::VectorXd row_velocities(const Eigen::VectorXd& velocity) const;
   void describe_rebounds();
@@ -214,8 +219,10 @@ class TimeStepper {
   std::vector<Contact> contacts_;
   struct Limit {
     int joint;
-    double sign, gap;
+    double sign;  ///< 1: the lower one, -1: the upper one, or kDryFriction
+    double gap;
   };
+  static constexpr double kDryFriction = 0;
   std::vector<Limit> limits_;
   std::vector<std::vector<Touching>> touching_;  ///< per tree
   std::vector<ConstrainedMass> factors_;

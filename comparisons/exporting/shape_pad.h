@@ -1,0 +1,34 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+
+#include "comparisons/exporting/robot_shapes.h"
+
+/// The part of a shape that touches: its place, and its local radii in closed form.
+namespace softfinger::exporting {
+
+/// A point of a shape's surface, in the shape's own axes.
+struct Pad {
+  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< outward
+  /// Principal radii; infinite: flat in that direction.
+  double major_radius_m = 0, minor_radius_m = 0;
+  std::string part;  ///< "a cap of the capsule"
+  /// The distance along the surface to where another curvature begins.
+  double to_seam_m = std::numeric_limits<double>::infinity();
+
+  bool is_flat() const { return std::isinf(minor_radius_m); }
+  bool is_line() const { return std::isinf(major_radius_m) && !is_flat(); }
+};
+
+/// The pad that a plane touches which comes against a direction, of length 1, outward. A cylinder
+/// and a box have edges and corners there: the face is taken that faces the direction most.
+/// @param kind  neither empty nor a mesh
+Pad pad_towards(const RobotShapeKind& kind, const Eigen::Vector3d& direction);
+
+/// The pad nearest to a point in the shape's axes.
+Pad pad_near(const RobotShapeKind& kind, const Eigen::Vector3d& point_m);
+
+}  // namespace softfinger::exporting
