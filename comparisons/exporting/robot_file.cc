@@ -248,6 +248,14 @@ std::vector<const XmlElement*> parts_of_finger(const XmlFile& file, RobotFormat 
     for (const Part& part : parts.all)
       for (const std::string& name : part.names)
         if (known.insert(name).second) names.push_back(name);
+    const bool is_mjcf = format == RobotFormat::mjcf;
+    for (const XmlElement* element : file.elements())
+      if (element->name == (is_mjcf ? "body" : "link") && element->value("name") == finger &&
+          !names.empty())
+        throw InputError(element->where(),
+                         fmt::format("{} \"{}\" has no {}", element->name, text::shortened(finger),
+                                     is_mjcf ? "geom" : "collision"),
+                         "", "one with a shape: " + text::shortened(text::joined(names), 200));
     if (names.empty())
       throw InputError(file.where(), "--finger " + text::shortened(finger), "",
                        fmt::format("a {} with a name: the file has none{}", kind, elsewhere(file)));

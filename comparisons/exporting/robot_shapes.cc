@@ -566,12 +566,6 @@ struct ShapeWords {
 
 }  // namespace
 
-const RobotShape* RobotShapes::of(const XmlElement* element) const {
-  for (const RobotShape& shape : shapes)
-    if (shape.element == element) return &shape;
-  return nullptr;
-}
-
 RobotShapes read_shapes(const XmlFile& file, RobotFormat format, const Mjcf& mjcf) {
   return format == RobotFormat::mjcf ? MjcfShapes(file, mjcf).read()
                                      : LinkShapes(file, format).read();

@@ -58,9 +58,6 @@ struct RobotShapes {
   /// Folder of MJCF's meshes, relative to the model's; empty for other formats.
   std::string mesh_folder;
   bool strips_paths = false;  ///< of meshes' names
-
-  /// The shape of an element, null: none.
-  const RobotShape* of(const XmlElement* element) const;
 };
 
 /// @throws InputError for numbers that are none, with their line

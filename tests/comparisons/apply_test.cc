@@ -368,7 +368,9 @@ TEST_F(Apply, RefusesWhatFitsNeitherFileNorSimulator) {
   refuse("robot.urdf", {"--finger", "tip", "--to", "mujoco"}, "save the model as MJCF");
   refuse("robot.urdf", {"--finger", "tip", "--to", "physx"}, "export --to physx");
   refuse("robot.urdf", {"--finger", "tip", "--to", "gazbo"}, "did you mean \"gazebo\"?");
-  refuse("robot.urdf", {"--finger", "base", "--to", "gazebo"}, "allowed: tip");
+  refuse("robot.urdf", {"--finger", "base", "--to", "gazebo"},
+         "robot.urdf:4: link \"base\" has no collision: allowed: one with a shape: tip");
+  refuse("robot.urdf", {"--finger", "bass", "--to", "gazebo"}, "allowed: tip");
   refuse("robot.urdf", {"--finger", "tip", "--to", "gazebo", "--plugin"}, "--to mujoco");
   refuse("nothing.xml", {"--finger", "tip", "--to", "mujoco"}, "nothing.xml");
   refuse("hand.xml", {"--finger", "tip_1", "--to", "mujoco", "--effective-mass-g", "nan"},
