@@ -25,11 +25,11 @@ namespace fs = std::filesystem;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using exporting::NamedMesh;
-using exporting::Pad;
 using exporting::RobotBody;
 using exporting::RobotJoint;
 using exporting::RobotShape;
 using exporting::RobotShapes;
+using exporting::ShapePad;
 
 constexpr const char* kPadAllowed =
     "[FINGER:]+x, -x, +y, -y, +z or -z, or [FINGER:]X,Y,Z in mm, in the axes of the finger's body "
@@ -187,7 +187,7 @@ class Fingers {
   /// The shape of a finger on which the pad lies, and the pad; a mesh has only its point.
   struct Found {
     const RobotShape* shape = nullptr;
-    std::optional<Pad> pad;
+    std::optional<ShapePad> pad;
     Vector3d point_in_body_m = Vector3d::Zero();
   };
   Found find(const exporting::FingerParts& finger, const std::vector<const RobotShape*>& shapes,
@@ -364,8 +364,8 @@ class Fingers {
 };
 
 /// @throws InputError for a pad that touches a plane, or a sphere, in no ellipse
-void require_curved(const exporting::FingerParts& finger, const RobotShape& shape, const Pad& pad,
-                    const PadPlace& place, bool on_plane) {
+void require_curved(const exporting::FingerParts& finger, const RobotShape& shape,
+                    const ShapePad& pad, const PadPlace& place, bool on_plane) {
   if (!pad.is_flat() && !(pad.is_line() && on_plane)) return;
   const std::string subject = "the pad of " + in_quotes(finger.name) + ", " + pad.part + " (" +
                               in_words(shape) + ") " + place.words;
@@ -512,7 +512,7 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
     shaped->is_guessed = chosen.is_guessed;
     shaped->point_in_body_m = found.point_in_body_m;
     shaped->pad = found.pad;
-    const Pad pad = found.pad.value_or(Pad());
+    const ShapePad pad = found.pad.value_or(ShapePad());
     const double long_mm = found.pad ? 1e3 * pad.major_radius_m : 10,
                  short_mm = found.pad ? 1e3 * pad.minor_radius_m : 10;
     std::string text = fmt::format(

@@ -67,7 +67,7 @@ struct ShapedFinger {
   std::string pad_words;    ///< "towards +z of tip, where joint \"j\" closes"
   bool is_guessed = false;
   Eigen::Vector3d point_in_body_m = Eigen::Vector3d::Zero();
-  std::optional<exporting::Pad> pad;  ///< of a shape in closed form
+  std::optional<exporting::ShapePad> pad;  ///< of a shape in closed form
   input::Case contact_case;
 };
 

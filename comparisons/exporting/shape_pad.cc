@@ -10,8 +10,8 @@ using Eigen::Vector3d;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-Pad pad_of_ball(double radius_m, const Vector3d& normal) {
-  Pad pad;
+ShapePad pad_of_ball(double radius_m, const Vector3d& normal) {
+  ShapePad pad;
   pad.normal = normal;
   pad.point_m = radius_m * normal;
   pad.major_radius_m = pad.minor_radius_m = radius_m;
@@ -21,9 +21,9 @@ Pad pad_of_ball(double radius_m, const Vector3d& normal) {
 
 /// Gauss' map of an ellipsoid: the curvatures at the point with a normal n are those of the shape
 /// operator A^-1 / |A^-1 x| in the tangent plane, with x = A n / sqrt(n A n) and A = diag(a^2).
-Pad pad_of_ellipsoid(const Vector3d& semi_axes_m, const Vector3d& normal) {
+ShapePad pad_of_ellipsoid(const Vector3d& semi_axes_m, const Vector3d& normal) {
   const Vector3d squares = semi_axes_m.cwiseAbs2();
-  Pad pad;
+  ShapePad pad;
   pad.normal = normal;
   pad.point_m = squares.cwiseProduct(normal) / std::sqrt(normal.dot(squares.cwiseProduct(normal)));
   const Vector3d gradient = pad.point_m.cwiseQuotient(squares);
@@ -68,8 +68,8 @@ Vector3d normal_near(const Vector3d& semi_axes_m, const Vector3d& point_m) {
   return unit_or(at(high).cwiseQuotient(squares), Vector3d::Unit(shortest));
 }
 
-Pad pad_of_cap(double radius_m, double half_length_m, const Vector3d& normal, double end) {
-  Pad pad = pad_of_ball(radius_m, normal);
+ShapePad pad_of_cap(double radius_m, double half_length_m, const Vector3d& normal, double end) {
+  ShapePad pad = pad_of_ball(radius_m, normal);
   pad.point_m.z() += end * half_length_m;
   pad.part = "an end of the capsule";
   pad.to_seam_m = radius_m * std::asin(std::min(1., std::abs(normal.z())));
@@ -77,9 +77,9 @@ Pad pad_of_cap(double radius_m, double half_length_m, const Vector3d& normal, do
 }
 
 /// @param height_m  along the axis, from the middle
-Pad pad_of_side(double radius_m, double half_length_m, const Vector3d& across, double height_m,
-                const char* part) {
-  Pad pad = pad_of_ball(radius_m, across);
+ShapePad pad_of_side(double radius_m, double half_length_m, const Vector3d& across, double height_m,
+                     const char* part) {
+  ShapePad pad = pad_of_ball(radius_m, across);
   pad.major_radius_m = kInfinite;
   pad.point_m.z() = height_m;
   pad.to_seam_m = half_length_m - std::abs(height_m);
@@ -87,9 +87,9 @@ Pad pad_of_side(double radius_m, double half_length_m, const Vector3d& across, d
   return pad;
 }
 
-Pad pad_of_face(const Vector3d& normal, const Vector3d& point_m, double to_edge_m,
-                const char* part) {
-  Pad pad;
+ShapePad pad_of_face(const Vector3d& normal, const Vector3d& point_m, double to_edge_m,
+                     const char* part) {
+  ShapePad pad;
   pad.normal = normal;
   pad.point_m = point_m;
   pad.major_radius_m = pad.minor_radius_m = kInfinite;
@@ -102,7 +102,7 @@ Vector3d across_axis(const Vector3d& vector) {
   return unit_or({vector.x(), vector.y(), 0}, Vector3d::UnitX());
 }
 
-Pad pad_of_box(const input::Box& box, const Vector3d& near_m, int axis, double side) {
+ShapePad pad_of_box(const input::Box& box, const Vector3d& near_m, int axis, double side) {
   const Vector3d half = box.size_m / 2;
   Vector3d point = near_m.cwiseMin(half).cwiseMax(-half);
   point[axis] = side * half[axis];
@@ -115,15 +115,15 @@ Pad pad_of_box(const input::Box& box, const Vector3d& near_m, int axis, double s
 struct Towards {
   const Vector3d& direction;
 
-  Pad operator()(const std::monostate&) const { return {}; }
-  Pad operator()(const NamedMesh&) const { return {}; }
-  Pad operator()(const input::Sphere& sphere) const {
+  ShapePad operator()(const std::monostate&) const { return {}; }
+  ShapePad operator()(const NamedMesh&) const { return {}; }
+  ShapePad operator()(const input::Sphere& sphere) const {
     return pad_of_ball(sphere.radius_m, direction);
   }
-  Pad operator()(const input::Ellipsoid& ellipsoid) const {
+  ShapePad operator()(const input::Ellipsoid& ellipsoid) const {
     return pad_of_ellipsoid(ellipsoid.semi_axes_m, direction);
   }
-  Pad operator()(const input::Capsule& capsule) const {
+  ShapePad operator()(const input::Capsule& capsule) const {
     // Within a degree the plane touches the side.
     constexpr double kAcross = 0.0175;
     const double half_m = capsule.length_m / 2;
@@ -132,7 +132,7 @@ struct Towards {
                          "the side of the capsule");
     return pad_of_cap(capsule.radius_m, half_m, direction, direction.z() > 0 ? 1 : -1);
   }
-  Pad operator()(const input::Cylinder& cylinder) const {
+  ShapePad operator()(const input::Cylinder& cylinder) const {
     const double half_m = cylinder.length_m / 2, side = direction.z() > 0 ? 1 : -1;
     if (direction.z() * direction.z() > 0.5)
       return pad_of_face(side * Vector3d::UnitZ(), side * half_m * Vector3d::UnitZ(),
@@ -140,7 +140,7 @@ struct Towards {
     return pad_of_side(cylinder.radius_m, half_m, across_axis(direction), 0,
                        "the side of the cylinder");
   }
-  Pad operator()(const input::Box& box) const {
+  ShapePad operator()(const input::Box& box) const {
     int axis = 0;
     direction.cwiseAbs().maxCoeff(&axis);
     return pad_of_box(box, Vector3d::Zero(), axis, direction[axis] > 0 ? 1 : -1);
@@ -150,15 +150,15 @@ struct Towards {
 struct Near {
   const Vector3d& point_m;
 
-  Pad operator()(const std::monostate&) const { return {}; }
-  Pad operator()(const NamedMesh&) const { return {}; }
-  Pad operator()(const input::Sphere& sphere) const {
+  ShapePad operator()(const std::monostate&) const { return {}; }
+  ShapePad operator()(const NamedMesh&) const { return {}; }
+  ShapePad operator()(const input::Sphere& sphere) const {
     return pad_of_ball(sphere.radius_m, unit_or(point_m, Vector3d::UnitZ()));
   }
-  Pad operator()(const input::Ellipsoid& ellipsoid) const {
+  ShapePad operator()(const input::Ellipsoid& ellipsoid) const {
     return pad_of_ellipsoid(ellipsoid.semi_axes_m, normal_near(ellipsoid.semi_axes_m, point_m));
   }
-  Pad operator()(const input::Capsule& capsule) const {
+  ShapePad operator()(const input::Capsule& capsule) const {
     const double half_m = capsule.length_m / 2;
     if (std::abs(point_m.z()) <= half_m)
       return pad_of_side(capsule.radius_m, half_m, across_axis(point_m), point_m.z(),
@@ -167,7 +167,7 @@ struct Near {
     const Vector3d from_end = point_m - end * half_m * Vector3d::UnitZ();
     return pad_of_cap(capsule.radius_m, half_m, unit_or(from_end, end * Vector3d::UnitZ()), end);
   }
-  Pad operator()(const input::Cylinder& cylinder) const {
+  ShapePad operator()(const input::Cylinder& cylinder) const {
     const double half_m = cylinder.length_m / 2, across_m = std::hypot(point_m.x(), point_m.y());
     const double end = point_m.z() > 0 ? 1 : -1;
     const bool is_end = std::abs(point_m.z()) - half_m > across_m - cylinder.radius_m;
@@ -181,7 +181,7 @@ struct Near {
     return pad_of_side(cylinder.radius_m, half_m, across_axis(point_m),
                        std::clamp(point_m.z(), -half_m, half_m), "the side of the cylinder");
   }
-  Pad operator()(const input::Box& box) const {
+  ShapePad operator()(const input::Box& box) const {
     const Vector3d depth = point_m.cwiseAbs() - box.size_m / 2;
     int axis = 0;
     depth.maxCoeff(&axis);
@@ -191,11 +191,11 @@ struct Near {
 
 }  // namespace
 
-Pad pad_towards(const RobotShapeKind& kind, const Vector3d& direction) {
+ShapePad pad_towards(const RobotShapeKind& kind, const Vector3d& direction) {
   return std::visit(Towards{direction}, kind);
 }
 
-Pad pad_near(const RobotShapeKind& kind, const Vector3d& point_m) {
+ShapePad pad_near(const RobotShapeKind& kind, const Vector3d& point_m) {
   return std::visit(Near{point_m}, kind);
 }
 

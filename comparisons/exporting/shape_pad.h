@@ -10,7 +10,7 @@
 namespace softfinger::exporting {
 
 /// A point of a shape's surface, in the shape's own axes.
-struct Pad {
+struct ShapePad {
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< outward
   /// Principal radii; infinite: flat in that direction.
@@ -26,9 +26,9 @@ struct Pad {
 /// The pad that a plane touches which comes against a direction, of length 1, outward. A cylinder
 /// and a box have edges and corners there: the face is taken that faces the direction most.
 /// @param kind  neither empty nor a mesh
-Pad pad_towards(const RobotShapeKind& kind, const Eigen::Vector3d& direction);
+ShapePad pad_towards(const RobotShapeKind& kind, const Eigen::Vector3d& direction);
 
 /// The pad nearest to a point in the shape's axes.
-Pad pad_near(const RobotShapeKind& kind, const Eigen::Vector3d& point_m);
+ShapePad pad_near(const RobotShapeKind& kind, const Eigen::Vector3d& point_m);
 
 }  // namespace softfinger::exporting

@@ -16,8 +16,8 @@ namespace softfinger::tests {
 namespace {
 
 using Eigen::Vector3d;
-using exporting::Pad;
 using exporting::RobotShapes;
+using exporting::ShapePad;
 using exporting::XmlFile;
 
 constexpr double kRoundOff = 1e-12;
@@ -27,7 +27,7 @@ RobotShapes shapes_of(const XmlFile& file) {
 }
 
 /// The surface's height under its tangent plane at a distance t from the pad is t^2/(2 R).
-double radius_by_height(const Vector3d& semi_axes_m, const Pad& pad, const Vector3d& along) {
+double radius_by_height(const Vector3d& semi_axes_m, const ShapePad& pad, const Vector3d& along) {
   const double t = 1e-4 * semi_axes_m.minCoeff();
   const Vector3d start = pad.point_m + t * along;
   double low = 0, high = semi_axes_m.minCoeff();
@@ -42,7 +42,7 @@ double radius_by_height(const Vector3d& semi_axes_m, const Pad& pad, const Vecto
 }  // namespace
 
 TEST(ShapePad, OfASphereHasItsRadius) {
-  const Pad pad = exporting::pad_towards(input::Sphere{0.008}, Vector3d(0.6, 0, 0.8));
+  const ShapePad pad = exporting::pad_towards(input::Sphere{0.008}, Vector3d(0.6, 0, 0.8));
   EXPECT_DOUBLE_EQ(pad.major_radius_m, 0.008);
   EXPECT_DOUBLE_EQ(pad.minor_radius_m, 0.008);
   EXPECT_LT((pad.point_m - Vector3d(0.0048, 0, 0.0064)).norm(), kRoundOff);
@@ -51,13 +51,13 @@ TEST(ShapePad, OfASphereHasItsRadius) {
 
 TEST(ShapePad, OfACapsuleIsItsEndOrItsSide) {
   const input::Capsule capsule{0.006, 0.02};
-  const Pad end = exporting::pad_towards(capsule, Vector3d(0.8, 0, -0.6));
+  const ShapePad end = exporting::pad_towards(capsule, Vector3d(0.8, 0, -0.6));
   EXPECT_DOUBLE_EQ(end.major_radius_m, 0.006);
   EXPECT_DOUBLE_EQ(end.minor_radius_m, 0.006);
   EXPECT_LT((end.point_m - Vector3d(0.0048, 0, -0.0136)).norm(), kRoundOff);
   EXPECT_NEAR(end.to_seam_m, 0.006 * std::asin(0.6), kRoundOff);
   EXPECT_FALSE(end.is_line());
-  const Pad side = exporting::pad_near(capsule, Vector3d(0, 0.007, 0.004));
+  const ShapePad side = exporting::pad_near(capsule, Vector3d(0, 0.007, 0.004));
   EXPECT_TRUE(side.is_line());
   EXPECT_FALSE(side.is_flat());
   EXPECT_DOUBLE_EQ(side.minor_radius_m, 0.006);
@@ -68,10 +68,10 @@ TEST(ShapePad, OfACapsuleIsItsEndOrItsSide) {
 
 TEST(ShapePad, OfAnEllipsoidHasTheSquaresOverTheAxisAtItsPole) {
   const double a = 0.012, b = 0.009, c = 0.005;
-  const Pad pole = exporting::pad_towards(input::Ellipsoid{{a, b, c}}, Vector3d::UnitZ());
+  const ShapePad pole = exporting::pad_towards(input::Ellipsoid{{a, b, c}}, Vector3d::UnitZ());
   EXPECT_NEAR(pole.major_radius_m, a * a / c, kRoundOff);
   EXPECT_NEAR(pole.minor_radius_m, b * b / c, kRoundOff);
-  const Pad side = exporting::pad_towards(input::Ellipsoid{{a, b, c}}, -Vector3d::UnitX());
+  const ShapePad side = exporting::pad_towards(input::Ellipsoid{{a, b, c}}, -Vector3d::UnitX());
   EXPECT_NEAR(side.major_radius_m, b * b / a, kRoundOff);
   EXPECT_NEAR(side.minor_radius_m, c * c / a, kRoundOff);
   EXPECT_LT((side.point_m - Vector3d(-a, 0, 0)).norm(), kRoundOff);
@@ -81,7 +81,7 @@ TEST(ShapePad, OfAnEllipsoidHasItsRadiiAnywhere) {
   const Vector3d axes(0.012, 0.009, 0.005);
   for (const Vector3d& typed : {Vector3d(1, 2, 3), Vector3d(-3, 1, 0.5), Vector3d(0, 1, 1)}) {
     const Vector3d normal = typed.normalized();
-    const Pad pad = exporting::pad_towards(input::Ellipsoid{axes}, normal);
+    const ShapePad pad = exporting::pad_towards(input::Ellipsoid{axes}, normal);
     EXPECT_NEAR(pad.point_m.cwiseQuotient(axes).norm(), 1, kRoundOff);
     // The least and the largest radius of all normal sections, scanned by 0.1 degrees: 1e-6 of
     // them, and 1e-4 for the step along the surface.
@@ -97,14 +97,14 @@ TEST(ShapePad, OfAnEllipsoidHasItsRadiiAnywhere) {
     EXPECT_NEAR(pad.minor_radius_m / least, 1, 1e-3);
     EXPECT_NEAR(pad.major_radius_m / largest, 1, 1e-3);
     // The nearest point to one straight above is the point itself.
-    const Pad near = exporting::pad_near(input::Ellipsoid{axes}, pad.point_m + 0.001 * normal);
+    const ShapePad near = exporting::pad_near(input::Ellipsoid{axes}, pad.point_m + 0.001 * normal);
     EXPECT_LT((near.point_m - pad.point_m).norm(), 1e-9);
   }
 }
 
 TEST(ShapePad, OfFlatFacesIsFlat) {
   const input::Box box{{0.01, 0.02, 0.03}};
-  const Pad face = exporting::pad_towards(box, Vector3d(0.1, -0.9, 0.3).normalized());
+  const ShapePad face = exporting::pad_towards(box, Vector3d(0.1, -0.9, 0.3).normalized());
   EXPECT_TRUE(face.is_flat());
   EXPECT_EQ(face.normal, -Vector3d::UnitY());
   EXPECT_LT((face.point_m - Vector3d(0, -0.01, 0)).norm(), kRoundOff);
@@ -112,7 +112,7 @@ TEST(ShapePad, OfFlatFacesIsFlat) {
   const input::Cylinder cylinder{0.01, 0.04};
   EXPECT_TRUE(exporting::pad_towards(cylinder, Vector3d::UnitZ()).is_flat());
   EXPECT_TRUE(exporting::pad_near(cylinder, Vector3d(0.001, 0, -0.021)).is_flat());
-  const Pad side = exporting::pad_near(cylinder, Vector3d(0.011, 0, 0.015));
+  const ShapePad side = exporting::pad_near(cylinder, Vector3d(0.011, 0, 0.015));
   EXPECT_TRUE(side.is_line());
   EXPECT_NEAR(side.to_seam_m, 0.005, kRoundOff);
 }

@@ -50,8 +50,8 @@ void judge(const XmlFile& file) {
     for (const exporting::RobotShape& shape : shapes.shapes)
       for (int axis = 0; axis < 3; ++axis) {
         const Eigen::Vector3d direction = Eigen::Vector3d::Unit(axis);
-        const exporting::Pad towards = exporting::pad_towards(shape.kind, direction);
-        const exporting::Pad near = exporting::pad_near(shape.kind, 0.01 * direction);
+        const exporting::ShapePad towards = exporting::pad_towards(shape.kind, direction);
+        const exporting::ShapePad near = exporting::pad_near(shape.kind, 0.01 * direction);
         if (std::isnan(towards.minor_radius_m) || std::isnan(near.minor_radius_m)) std::terminate();
       }
     for (const exporting::LintedNumber& number :
