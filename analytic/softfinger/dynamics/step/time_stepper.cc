@@ -91,20 +91,21 @@ void TimeStepper::collect(ContactFinder& finder) {
 /// on their joints. What they are pressed by is not determined, and nothing would change by it.
 bool TimeStepper::drop_locked_contacts() {
   constexpr double kRounding = 1e-12;
-  std::vector<double> along(contacts_.size()), any(contacts_.size());
+  opening_.assign(contacts_.size(), {0, 0});
   for (std::size_t t = 0; t < touching_.size(); ++t)
     for (std::size_t n = 0; n < touching_[t].size(); ++n) {
       const Touching& touching = touching_[t][n];
       if (touching.joint >= 0) continue;
       const auto block = jacobians_[t].middleRows<3>(4 * Eigen::Index(n));
       const auto row = std::size_t(touching.row);
-      along[row] = std::max(along[row], block.row(0).lpNorm<Eigen::Infinity>());
-      any[row] = std::max(any[row], block.lpNorm<Eigen::Infinity>());
+      auto& [along, any] = opening_[row];
+      along = std::max(along, block.row(0).lpNorm<Eigen::Infinity>());
+      any = std::max(any, block.lpNorm<Eigen::Infinity>());
     }
   const std::size_t before = contacts_.size();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < before; ++i)
-    if (along[i] > kRounding * any[i]) contacts_[kept++] = contacts_[i];
+    if (opening_[i].first > kRounding * opening_[i].second) contacts_[kept++] = contacts_[i];
   contacts_.resize(kept);
   return kept < before;
 }
