@@ -172,6 +172,24 @@ class UrdfCheck {
       throw InputError(where, "child", in_quotes(link),
                        "a link that is not the child of joint " + in_quotes(other->second) +
                            ": closed chains are not URDF");
+    const XMLElement* parent = joint.FirstChildElement("parent");
+    const std::string holder = parent ? attribute(*parent, "link") : "";
+    // urdfdom never frees links in a ring.
+    if (!link.empty() && root_of(holder) == link)
+      throw InputError(where, "parent", in_quotes(holder),
+                       "a link that does not hang on its child " + in_quotes(link) +
+                           ": closed chains are not URDF");
+    root_[link] = holder;
+  }
+
+  /// The link on which `link` hangs, by way of the joints so far: itself where it hangs on none.
+  std::string root_of(std::string link) {
+    for (auto at = root_.find(link); at != root_.end(); at = root_.find(link)) {
+      // Halves the way for the next search.
+      if (const auto next = root_.find(at->second); next != root_.end()) at->second = next->second;
+      link = at->second;
+    }
+    return link;
   }
 
   void check_type(const XMLElement& joint, const std::string& where) const {
@@ -273,6 +291,7 @@ class UrdfCheck {
   tinyxml2::XMLDocument document_;
   UrdfFile urdf_;
   std::map<std::string, std::string> parent_joint_;  ///< of links
+  std::map<std::string, std::string> root_;          ///< of links: one nearer to the root
 };
 
 }  // namespace

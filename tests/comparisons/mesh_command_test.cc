@@ -193,7 +193,8 @@ TEST_F(MeshCommand, ProposesThePadFirst) {
                    "\nobject = { radii_mm = [inf, inf] }\n[layer]\nthickness_mm = 2\n"
                    "youngs_modulus_kPa = 300\npoisson_ratio = 0.49\n[contact]\nload_N = 1\n"
                    "friction_coefficient = 0.8\n");
-  for (const json& result : answer_of({"predict", "best.toml", "--json"})["results"])
+  const json predicted = answer_of({"predict", "best.toml", "--json"});
+  for (const json& result : predicted["results"])
     if (result["recommended"].get<bool>()) {
       EXPECT_TRUE(result["usable"].get<bool>());
       EXPECT_NEAR(result["max_torque_Nm"].get<double>() / pads[0]["max_torque_Nm"].get<double>(), 1,

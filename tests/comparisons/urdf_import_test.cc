@@ -335,7 +335,7 @@ TEST_F(Urdf, AreRefusedByLine) {
   // Links and joints in a ring of their own hang on nothing.
   expect(link("base", "") + link("a", kMass) + link("b", kMass) + joint("j", "fixed", "a", "b") +
              joint("k", "fixed", "b", "a"),
-         "urdf");
+         "joint \"k\": parent = \"b\"");
   std::string chain = link("l0", kMass);
   for (int i = 1; i <= 5001; ++i) chain += link("l" + std::to_string(i), "");
   expect(chain, "links: allowed: at most 5000");
