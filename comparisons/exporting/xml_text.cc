@@ -253,7 +253,7 @@ void XmlFile::include(std::vector<Inclusion> inclusions) {
     if (roots.count(element->parent) == 0) parents.insert(element->parent);
   for (XmlElement* parent : parents) {
     std::vector<XmlElement*> children;
-    // From the last to the first, so that what stands in an element's place comes next.
+    // Children are stacked in reverse order, so that the first one is taken next.
     std::vector<XmlElement*> open(parent->children.rbegin(), parent->children.rend());
     while (!open.empty()) {
       XmlElement* const child = open.back();

@@ -401,7 +401,7 @@ class MjcfFilter {
     actuator.SetAttribute("gaintype", "fixed");
     actuator.SetAttribute("biastype", "affine");
     actuator.SetAttribute("gainprm", fmt::format("{}", stiffness).c_str());
-    // As newer versions have it, a positive number is a ratio of damping.
+    // Newer versions of MuJoCo take a positive number for a damping ratio.
     actuator.SetAttribute("biasprm", fmt::format("0 {} {}", -stiffness, second).c_str());
   }
 

@@ -100,7 +100,8 @@ class UrdfImporter {
       throw InputError(file_.string(), "urdfdom cannot read it: " + fault.text(), "", "");
     order_links();
     for (const urdf::Link* link : order_) describe_link(*link);
-    // From the tips inwards: a link has the mass of those that hang on it.
+    // The loop goes from the tips inwards, because a link carries the mass of those that hang on
+    // it.
     for (auto link = order_.rbegin(); link != order_.rend(); ++link) {
       LinkParts& own = links_[*link];
       const bool is_moved =

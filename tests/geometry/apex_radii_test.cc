@@ -250,7 +250,7 @@ void try_one(int kind, double edge_per_a, double noise_per_edge, bool shell, std
     const Logarithms here = logarithms(radii.major_m, radii.minor_m);
     const Logarithms is = logarithms(truth[0], truth[1]);
     const Eigen::Matrix2d& covariance = patch.relative.log_radii_covariance;
-    // As stated of each radius, and as the mean's follows from the covariance.
+    // Each radius has its stated deviation; that of their mean follows from the covariance.
     const Logarithms std{patch.relative.radii_std_m[0] / radii.major_m,
                          patch.relative.radii_std_m[1] / radii.minor_m,
                          std::sqrt(std::max(0.0, covariance.sum())) / 2};

@@ -36,8 +36,8 @@ struct ContactPatch {
     /// their variances (Hausman 1978).
     double noise = 0;
   };
-  /// Those that are elliptic. They show how much the answer depends on the region, because no body
-  /// is of fourth order all over.
+  /// Fits over other regions, as far as they are elliptic. They show how much the answer depends on
+  /// the region, because no body is of fourth order all over.
   std::vector<OtherRegion> other_regions;
   /// Share of the region that the surface covers, at most 1: less where it ends within the region.
   double covered = 1;
