@@ -25,7 +25,8 @@ struct Body {
   Eigen::Vector3d inertia_kg_m2() const;  ///< about the centre, principal
 };
 
-/// From a time on, at the body's centre, world axes. A later one of the same body replaces it.
+/// A force that acts from a time on, at the body's centre, in world axes. A later one of the same
+/// body replaces it.
 struct Load {
   int body = -1;
   double from_s = 0;

@@ -42,7 +42,7 @@ struct TruthBound {
   double bound = 0;  ///< relative; NaN: not known
 };
 
-/// At the loads of the twist.
+/// One bound at each load of the twist.
 std::vector<TruthBound> bounds_of_the_truth();
 
 /// Pinch, twist, tilt, held for 60 s, stack.

@@ -24,8 +24,8 @@ struct CaseCalibration {
   std::vector<std::pair<Parameter, double>> fixed;  ///< as requested
   CalibrationProblem problem;
   Calibration found;
-  /// For meshes, whose local geometry depends on the contact's size: how often fit and geometry
-  /// were repeated until they agreed, and whether they did. Else 1 and true.
+  /// Counts, for meshes, whose local geometry depends on the contact's size, how often fit and
+  /// geometry were repeated until they agreed, and whether they did. Else 1 and true.
   int geometry_rounds = 1;
   bool is_geometry_settled = true;
   std::vector<std::string> remarks;  ///< about the meshes
@@ -62,7 +62,7 @@ struct ConfidenceEllipse {
   Parameter x, y;
   std::vector<std::pair<double, double>> points;
 };
-/// For each pair of layer parameters; empty where the covariance is not known.
+/// One entry for each pair of layer parameters; empty where the covariance is not known.
 std::vector<ConfidenceEllipse> confidence_ellipses(const CaseCalibration& calibration);
 
 /// The case file with what was found or fixed in place of its values, and all else as it was typed.

@@ -22,7 +22,7 @@ class Edits {
       if (text[i] == '\n') starts_.push_back(i + 1);
   }
 
-  /// As people write it: six digits are more than any measurement has.
+  /// The number as people write it: six digits are more than any measurement has.
   void set(const toml::node& node, double value) { add(node, fmt::format("{:.6g}", value)); }
   void set(const toml::node& node, const std::string& word) {
     std::ostringstream quoted;

@@ -11,8 +11,8 @@
 namespace softfinger::calibration {
 namespace {
 
-/// From the softest gels and skin to hard rubber, and from wet skin to a clean silicone that
-/// clings.
+/// The range from the softest gels and skin to hard rubber, and from wet skin to a clean silicone
+/// that clings.
 constexpr double kSoftest_Pa = 1e4, kHardest_Pa = 3e7;
 constexpr double kLeastFriction = 0.1, kMostFriction = 5;
 

@@ -27,7 +27,7 @@ std::string bound_in_words(const ModelAnswer& answer, std::initializer_list<Quan
   return text::percent(largest);
 }
 
-/// To the four digits that the answer is worth at most.
+/// Rounds to the four digits that the answer is worth at most.
 double rounded(double value) { return std::stod(fmt::format("{:.4g}", value)); }
 
 /// Narrow enough for a terminal of 80 columns.

@@ -97,7 +97,7 @@ std::string bash_script(const std::vector<DescribedCommand>& commands) {
          "complete -o filenames -F _softfinger softfinger\n";
 }
 
-/// In single quotes of a shell.
+/// Puts text into single quotes of a shell.
 std::string quoted(const std::string& text) {
   std::string result = "'";
   for (const char c : text) result += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -166,7 +166,7 @@ std::string zsh_script(const std::vector<DescribedCommand>& commands) {
          "_softfinger \"$@\"\n";
 }
 
-/// With -f no files beside the words.
+/// Completes words only: -f leaves out files.
 std::string fish_values(const DescribedOption& option, const std::string& commands) {
   if (!option.choices.empty()) return " -f -a " + quoted(text::joined(option.choices, " "));
   if (option.names.empty() && option.value == "COMMAND") return " -f -a " + quoted(commands);

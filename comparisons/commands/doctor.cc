@@ -74,7 +74,7 @@ Finding atlas_finding() {
   }
 }
 
-/// In the build tree's lib, or in that of an installation, which may be a folder for each
+/// Looks in the build tree's lib, or in that of an installation, which may be a folder for each
 /// architecture; empty: nowhere.
 fs::path mujoco_library(const fs::path& prefix) {
   const char* const name = "libsoftfinger_mujoco.so";

@@ -33,7 +33,7 @@ std::string answer_line(const FemAnswerText& answer);
 /// All numbers with their errors, and friction's where it was asked for.
 std::string evidence_text(const FemAnswerText& answer);
 
-/// With the keys that `predict` has, so that one reader serves both.
+/// Writes the keys that `predict` has, so that one reader serves both.
 nlohmann::json to_json(const FemAnswerText& answer);
 
 }  // namespace softfinger::commands

@@ -83,7 +83,7 @@ const input::MeshBody* shown_mesh(const input::Case& contact_case) {
   return finger ? finger : std::get_if<input::MeshBody>(&bodies->object);
 }
 
-/// As one types it: a built-in mesh by its name.
+/// The argument as one types it: a built-in mesh by its name.
 std::string typed_name(const std::filesystem::path& mesh) {
   for (const std::filesystem::path& file : system::builtin_mesh_files())
     if (std::error_code error; std::filesystem::equivalent(file, mesh, error))

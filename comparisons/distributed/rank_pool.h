@@ -12,10 +12,10 @@ namespace softfinger::distributed {
 /// numbers their meaning.
 using RankTask = std::function<std::string(long task)>;
 
-/// For all ranks except 0: does tasks until rank 0 ends the run.
+/// Serves all ranks except 0: does tasks until rank 0 ends the run.
 void serve_tasks(const RankTask& work);
 
-/// For rank 0: hands out the tasks in their order, and does tasks itself on a second thread.
+/// Serves rank 0: hands out the tasks in their order, and does tasks itself on a second thread.
 class RankPool {
  public:
   /// @param work  must not throw

@@ -19,9 +19,9 @@ constexpr double kLeastTrustedShoreA = 20;
 double modulus_of_shore_oo_Pa(double shore_oo, double poisson_ratio);
 double shore_oo_of_modulus(double youngs_modulus_Pa, double poisson_ratio);
 
-/// By which a modulus of either relation may be wrong, up and down: supposed by us. For scale: lg E
-/// = 0.0235 S - 0.6403 (E in MPa), which is used for Shore A as well, is 8 % below Gent's at S = 20
-/// and 18 % above at S = 3; rubbers of one hardness differ among themselves, too.
+/// The factor by which a modulus of either relation may be wrong, up and down: supposed by us. For
+/// scale: lg E = 0.0235 S - 0.6403 (E in MPa), which is used for Shore A as well, is 8 % below
+/// Gent's at S = 20 and 18 % above at S = 3; rubbers of one hardness differ among themselves, too.
 constexpr double kHardnessModulusFactor = 2;
 
 }  // namespace softfinger::experiments

@@ -18,7 +18,7 @@ enum class RobotFormat { mjcf, urdf, sdf };
 /// "MJCF"
 std::string_view name_of(RobotFormat format);
 
-/// By the root element: mujoco, robot, sdf.
+/// The format that the root element names: mujoco, robot, sdf.
 /// @throws InputError for another one
 RobotFormat format_of(const XmlFile& file);
 
@@ -28,11 +28,12 @@ struct RobotContact {
   /// Errors of torque and force in the simulator, over the loads: "-31.6 to +43.0 % of the torque,
   /// 0.5 to 10 N".
   std::string torque_error, force_error;
-  /// For MuJoCo: the mass that the contact moves, for a solref with the model's normal stiffness.
+  /// The mass that the contact moves, for MuJoCo only: for a solref with the model's normal
+  /// stiffness.
   std::optional<double> effective_mass_kg;
-  /// For MuJoCo: the contact of the plugin (exporting/mujoco/softfinger_mujoco.h).
+  /// The contact of the plugin for MuJoCo (exporting/mujoco/softfinger_mujoco.h).
   std::optional<ContactProblem> plugin;
-  /// For Drake: the depth of the fingertip's innermost point; empty: that of its shape.
+  /// The depth of the fingertip's innermost point, for Drake only; empty: that of its shape.
   std::optional<double> depth_m;
 };
 

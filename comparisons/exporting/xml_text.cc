@@ -24,7 +24,7 @@ std::string trimmed(const std::string& text) {
              : text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
 }
 
-/// For between double quotes, or between tags.
+/// Escapes text that stands between double quotes, or between tags.
 std::string escaped(const std::string& value) {
   std::string text;
   for (const char letter : value) switch (letter) {

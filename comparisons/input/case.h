@@ -42,9 +42,10 @@ struct MeshBody {
   std::optional<double> metres_per_unit;              ///< of the file's coordinates; none: guessed
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< not used with `along` and `near_m`
   std::optional<Eigen::Vector3d> normal;              ///< outward, need only be roughly right
-  /// In place of point and normal: the point that lies farthest in this direction, of length 1.
+  /// Stands in place of point and normal: the point that lies farthest in this direction, of
+  /// length 1.
   std::optional<Eigen::Vector3d> along;
-  /// In place of a point on the surface: the surface's point nearest to this one.
+  /// Stands in place of a point on the surface: the surface's point nearest to this one.
   std::optional<Eigen::Vector3d> near_m;
   /// Surface of a finger's rigid core, in the same coordinates, for finite elements on the curved
   /// finger; empty: the finger's own surface, offset by the layer's thickness.
@@ -85,9 +86,9 @@ struct Case {
   std::variant<RelativeRadii, BodyPair> geometry;
   std::string geometry_where;  ///< "file:line" of [geometry], for messages
   ElasticLayer layer;          ///< the finger's, or the only one
-  /// From the surface inwards, if [[layer]] is repeated; empty for a homogeneous layer. With
-  /// sublayers, `layer` is the homogeneous layer that the models get: of the same thickness, with
-  /// 1/E and nu averaged over the thickness, which is exact for columns that stretch freely.
+  /// Sublayers from the surface inwards, if [[layer]] is repeated; empty for a homogeneous layer.
+  /// With sublayers, `layer` is the homogeneous layer that the models get: of the same thickness,
+  /// with 1/E and nu averaged over the thickness, which is exact for columns that stretch freely.
   std::vector<Sublayer> sublayers;
   ElasticLayer object_layer;  ///< thickness 0: one of the bodies is rigid
   /// The file has an [object_layer] and no [layer]: the finger is rigid and `layer` is the

@@ -23,7 +23,7 @@ struct FrictionLaw {
 
 extern const FrictionLaw kEllipsoidLaw, kSixPatchesLaw, kLimitSurfaceLaw, kFacetsLaw;
 
-/// From the cheapest to the most exact, facets last.
+/// The laws from the cheapest to the most exact, facets last.
 const std::vector<const FrictionLaw*>& all_friction_laws();
 
 }  // namespace softfinger::input

@@ -16,11 +16,11 @@ struct Sphere {
 struct Ellipsoid {
   Eigen::Vector3d semi_axes_m = Eigen::Vector3d::Zero();
 };
-/// Along its z axis, centred.
+/// A cylinder along its z axis, centred.
 struct Cylinder {
   double radius_m = 0, length_m = 0;
 };
-/// Along its z axis, centred; `length_m` without the caps.
+/// A capsule along its z axis, centred; `length_m` without the caps.
 struct Capsule {
   double radius_m = 0, length_m = 0;
 };

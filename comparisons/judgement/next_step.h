@@ -19,8 +19,9 @@ struct NextStep {
   std::string in_words() const { return reason + ": " + step; }
 };
 
-/// In this order: the recommended model, the nearest point of the mesh, a smaller or larger load,
-/// and where none of them helps the radii, finite elements or what has to be left out of the case.
+/// Tried in this order: the recommended model, the nearest point of the mesh, a smaller or larger
+/// load, and where none of them helps the radii, finite elements or what has to be left out of the
+/// case.
 ///
 /// Asks models for other loads (microseconds) and, for a mesh, at up to a hundred other points,
 /// usually 0.3 s and at most 3 s of the processor: for people, not for loops.

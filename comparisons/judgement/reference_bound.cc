@@ -8,7 +8,7 @@ namespace {
 
 using prediction::QuantityErrors;
 
-/// In the order of `prediction::Quantity`.
+/// One entry per quantity, in the order of `prediction::Quantity`.
 QuantityErrors errors_of(const reference::ReferenceErrors& stated) {
   return {stated.a.value_or(kNaN),
           stated.b.value_or(kNaN),

@@ -55,7 +55,7 @@ std::string percent(double relative) {
   return fmt::format(value < 20 ? "{:.1f} %" : "{:.0f} %", value);
 }
 
-/// For "within": a bound of zero would claim too much.
+/// The bound of a sentence "within ..", where zero would claim too much.
 std::string percent_bound(double relative) { return percent(std::max(std::abs(relative), 1e-3)); }
 
 std::string agreement(const Worst& errors) {

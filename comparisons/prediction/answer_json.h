@@ -9,7 +9,7 @@
 /// Answers as JSON, for `predict`, `fit` and `compare`.
 namespace softfinger::prediction {
 
-/// By quantity, or null.
+/// An object by quantity, or null.
 nlohmann::json to_json(const std::optional<QuantityErrors>& bound);
 
 /// The contract's keys for one answer. Numbers that do not exist are null. With

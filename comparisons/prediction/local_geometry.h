@@ -39,7 +39,7 @@ struct LocalGeometry {
 ContactProblem contact_problem(const input::Case& contact_case, const LocalGeometry& geometry,
                                double load_N);
 
-/// From a case's bodies to relative radii. Reads each mesh file once and fits each region of it
+/// Turns a case's bodies into relative radii. Reads each mesh file once and fits each region of it
 /// once, however many loads there are. Not for several threads at once.
 class GeometryResolver {
  public:
@@ -60,8 +60,9 @@ class GeometryResolver {
   /// words.
   LocalGeometry resolve(double load_N) const;
 
-  /// For finite elements, which press curved bodies as they are: bodies that no ellipse describes
-  /// (hollow ones, edges, few facets) have theirs placed at their points, and `no_ellipse` says so.
+  /// Used by finite elements, which press curved bodies as they are: bodies that no ellipse
+  /// describes (hollow ones, edges, few facets) have theirs placed at their points, and
+  /// `no_ellipse` says so.
   /// @throws InputError where not even a point and a normal are known, and as `resolve` for bodies
   /// that are not curved, or of which none is a mesh.
   LocalGeometry place(double load_N) const;

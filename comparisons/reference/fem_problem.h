@@ -70,7 +70,7 @@ struct FemProblem {
   std::filesystem::path output_directory, compliance_file;  ///< empty: none are written
 };
 
-/// As the program reads it (fem/README.md). Equal problems give equal objects.
+/// The problem as the program reads it (fem/README.md). Equal problems give equal objects.
 nlohmann::json to_json(const FemProblem& problem);
 
 /// The problem of one load of a case.

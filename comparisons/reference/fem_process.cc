@@ -30,7 +30,7 @@ FemAnswer answer_of(const std::string& line) {
   return answer;
 }
 
-/// For the problem that a process was at when it ended before its time.
+/// The error of the problem that a process was at when it ended before its time.
 FemAnswer failure_of(const system::ProcessOutcome& outcome, const FemLimits& limits) {
   FemAnswer answer;
   // Whatever else a crashed program returns, for the user the numerics failed.

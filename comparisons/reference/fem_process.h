@@ -41,7 +41,8 @@ struct FemIndex {
 struct FemCallbacks {
   /// Called with each line of a process about its progress.
   std::function<void(FemIndex, const std::string& line)> on_line = [](auto, const auto&) {};
-  /// As each answer comes. May throw: all processes are then stopped and the exception goes on.
+  /// Called as each answer comes. May throw: all processes are then stopped and the exception goes
+  /// on.
   std::function<void(FemIndex, FemAnswer)> on_answer = [](auto, auto&&) {};
 };
 

@@ -67,7 +67,8 @@ struct ReferenceResult {
   std::optional<std::string> vtu_file;
   std::optional<TwistedContact> twist;
   std::vector<FrictionWrench> limit_surface;
-  /// As the program wrote it. Files and pages also show entries that nothing here computes with.
+  /// The answer as the program wrote it. Files and pages also show entries that nothing here
+  /// computes with.
   nlohmann::json document;
 };
 

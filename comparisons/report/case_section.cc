@@ -409,7 +409,7 @@ Html model_key(const Json& report, const std::string& model) {
       drawn.colour, model == "fem" ? "3.5" : "2.5", drawn.dash, label(model));
 }
 
-/// As it was typed.
+/// The number as it was typed.
 Html layer_text(const Json& layer) {
   return html("{} mm, E {} kPa, ν {}", plain(number(layer, "thickness_m"), 1e3),
               plain(number(layer, "youngs_modulus_Pa"), 1e-3),

@@ -122,7 +122,7 @@ std::array<double, 4> shape_of(const ContactProblem& problem) {
           problem.is_object_spherical ? 1. : 0.};
 }
 
-/// In the sliders' order, in their units; the tolerance is the page's own.
+/// Values in the sliders' order and units; the tolerance is the page's own.
 std::array<double, 7> numbers_of(const ContactProblem& problem) {
   const std::array<double, 7> si = {problem.radii.major_m,
                                     problem.radii.minor_m,

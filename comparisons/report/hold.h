@@ -49,7 +49,8 @@ struct Hold {
   const Contact* first_slip() const;
   /// The contact that comes nearest to its limit without slipping; null when all slip.
   const Contact* nearest() const;
-  /// From when on no contact slides any more; nothing when one does to the end, or none ever does.
+  /// The time after which no contact slides any more; nothing when one does to the end, or none
+  /// ever does.
   std::optional<double> holds_again_s() const;
 };
 

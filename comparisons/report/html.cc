@@ -19,7 +19,7 @@ std::string with_true_minus(std::string digits) {
   return digits;
 }
 
-/// With as many decimal places as leave `digits` significant ones after rounding: 9.9996 -> 10.00
+/// Writes as many decimal places as leave `digits` significant ones after rounding: 9.9996 -> 10.00
 /// for four.
 std::string fixed(double value, int digits) {
   const std::string scientific = fmt::format("{:.{}e}", std::abs(value), digits - 1);

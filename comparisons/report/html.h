@@ -42,7 +42,7 @@ class Html {
   }
 
   bool empty() const { return markup_.empty(); }
-  /// For the file that holds the page, and for tests.
+  /// The whole page, for the file that holds it and for tests.
   const std::string& markup() const { return markup_; }
 
  private:

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kMostDrawn = 60000;
 
-/// To `step`: 0.001 mm, 0.0001 of a unit vector.
+/// Rounds to `step`: 0.001 mm, 0.0001 of a unit vector.
 Html vector_cells(const Eigen::Vector3d& vector, double step) {
   Html cells;
   for (const double value : vector)

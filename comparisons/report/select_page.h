@@ -6,7 +6,7 @@
 namespace softfinger::report {
 
 /// The page of a selection: which model is enough for a case, load by load, before the error atlas.
-/// From the object described in README.md of this folder; values may be null or missing.
+/// Built from the object described in README.md of this folder; values may be null or missing.
 /// @throws std::invalid_argument when `selection` has no array `choices`
 std::string render_selection(const nlohmann::json& selection);
 

@@ -19,7 +19,7 @@ struct ImportedScene {
   std::vector<std::string> notes;  ///< what is not as in the file, a sentence each
 };
 
-/// As a scene's reader has them; what is added to a name must fit, too.
+/// The limits that a scene's reader has; what is added to a name must fit, too.
 constexpr double kMillimetre = 1e-3, kDegree = 3.14159265358979323846 / 180;
 constexpr std::size_t kMostBodies = 1000, kLongestName = 90, kMostRules = 20000;
 

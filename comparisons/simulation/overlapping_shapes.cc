@@ -122,7 +122,7 @@ Overlap overlap_of(const std::vector<input::Shape>& shapes) {
   return grid.overlap(surfaces.size());
 }
 
-/// Without the body's name, so that copies say it once.
+/// The shape's name without the body's, so that copies say it once.
 std::string in_words(const Overlap& overlap) {
   constexpr double kRounding = 1e-3;
   std::pair<std::size_t, std::size_t> worst;

@@ -30,7 +30,7 @@ Eigen::Vector3d tangential_force_N(const RecordedContact& contact) {
          contact.tangent_force_2_N * contact.axes.col(1);
 }
 
-/// With the fewest digits that give the number back exactly.
+/// Writes the fewest digits that give the number back exactly.
 void append_shortest(std::string& text, double number) {
   char digits[32];
   text.append(digits, std::to_chars(std::begin(digits), std::end(digits), number).ptr);

@@ -40,8 +40,8 @@ Vector3d nearest_on(const Segment& segment, const Vector3d& point) {
   return segment.from + std::clamp(along.dot(point - segment.from) / square, 0., 1.) * along;
 }
 
-/// By the region of the triangle's plane in which the point lies (Ericson, Real-Time Collision
-/// Detection, 2005, section 5.1.5).
+/// Decides by the region of the triangle's plane in which the point lies (Ericson, Real-Time
+/// Collision Detection, 2005, section 5.1.5).
 Vector3d nearest_on(const Triangle& triangle, const Vector3d& point) {
   const auto& [a, b, c] = triangle;
   const Vector3d ab = b - a, ac = c - a, ap = point - a;
@@ -146,8 +146,9 @@ class BlockProbe {
         into_(block.pose.inverse(Eigen::Isometry)),
         across_(into_.linear().cwiseAbs()),
         half_(block.half_size_m) {}
-  /// By the box, whose extents along the block's axes bound it: the ball around the triangles of a
-  /// flat side reaches far beyond it, so that along a face of the block many would seem near.
+  /// A bound by the box, whose extents along the block's axes bound it: the ball around the
+  /// triangles of a flat side reaches far beyond it, so that along a face of the block many would
+  /// seem near.
   double least_m(const Vector3d& centre, double radius_m, const Vector3d& half_size_m) const {
     const Vector3d apart = (into_ * centre).cwiseAbs() - half_;
     return std::max(apart.cwiseMax(0).norm() - radius_m,

@@ -24,9 +24,9 @@ std::string_view bytes_of(const std::vector<Number>& numbers) {
   return {reinterpret_cast<const char*>(numbers.data()), numbers.size() * sizeof(Number)};
 }
 
-/// As VTK's vtkZLibDataCompressor has it: a header of the number of blocks, their size, that of an
-/// incomplete last one (0: there is none) and their compressed sizes, then the blocks. One block
-/// holds the whole array.
+/// Compresses as VTK's vtkZLibDataCompressor does: a header of the number of blocks, their size,
+/// that of an incomplete last one (0: there is none) and their compressed sizes, then the blocks.
+/// One block holds the whole array.
 /// @param level  of zlib
 std::string compressed(std::string_view bytes, int level) {
   if (bytes.empty()) return std::string(3 * sizeof(std::uint64_t), '\0');

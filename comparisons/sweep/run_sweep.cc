@@ -59,7 +59,7 @@ class ChunkQueue {
  public:
   ChunkQueue(std::size_t chunks, std::size_t longest) : chunks_(chunks), longest_(longest) {}
 
-  /// For a worker: the next chunk to compute. False when there is none or the sweep has been
+  /// Gives a worker the next chunk to compute. False when there is none or the sweep has been
   /// stopped.
   bool take(std::size_t& chunk) {
     std::unique_lock lock(mutex_);
@@ -85,7 +85,7 @@ class ChunkQueue {
     stopped_ = true;
     changed_.notify_all();
   }
-  /// For the writer: the next chunk in order. False when it is not finished within a tenth of a
+  /// Gives the writer the next chunk in order. False when it is not finished within a tenth of a
   /// second.
   bool wait_for_next(std::string& text) {
     std::unique_lock lock(mutex_);
@@ -203,7 +203,7 @@ LeadingModel leading_model(const SweepPlan& plan) {
   return best == leads.end() || best->usable == 0 ? LeadingModel{} : *best;
 }
 
-/// At most 20000 rows for the page, evenly spaced among all; {"columns", "rows"}.
+/// Rows for the page, at most 20000, evenly spaced among all; {"columns", "rows"}.
 json sample_of(const fs::path& results, std::size_t all_rows) {
   constexpr std::size_t kMostRows = 20000;
   const std::size_t every = (all_rows + kMostRows - 1) / kMostRows;

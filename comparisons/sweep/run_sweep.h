@@ -55,7 +55,7 @@ class SweepWorkers {
                         const std::function<void()>& on_progress) = 0;
 };
 
-/// On this machine: finite elements in processes, rows in threads.
+/// Runs on this machine: finite elements in processes, rows in threads.
 class LocalWorkers : public SweepWorkers {
  public:
   explicit LocalWorkers(int parallel) : parallel_(parallel) {}

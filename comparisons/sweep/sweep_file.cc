@@ -119,7 +119,7 @@ struct Entry {
   toml::source_position place;
 };
 
-/// In the order of the file: the library sorts keys by name.
+/// The keys in the order of the file: the library sorts keys by name.
 std::vector<Entry> entries_in_order(const toml::table& sweep) {
   std::vector<Entry> entries;
   for (const auto& [key, node] : sweep)

@@ -50,9 +50,9 @@ class Sweep {
   /// The file's text with the settings' values.
   const std::string& text() const;
   const input::Case& base() const { return base_; }
-  /// In the order of the file.
+  /// The axes in the order of the file.
   const std::vector<SweptKey>& keys() const { return keys_; }
-  /// As [sweep] names them, or empty.
+  /// The names as [sweep] has them, or empty.
   const std::vector<std::string>& models() const { return models_; }
   bool fem() const { return fem_; }
 

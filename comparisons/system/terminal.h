@@ -6,7 +6,7 @@
 /// Settings of the person at the terminal: quiet, colours, width.
 namespace softfinger::system {
 
-/// Without remarks and progress on standard error: errors alone.
+/// Leaves out remarks and progress on standard error: errors alone.
 void set_quiet(bool quiet);
 bool is_quiet();
 

@@ -18,7 +18,7 @@ class EccentricityTable {
   /// False where the model has no answer for this contact.
   bool has_answer() const { return !log_eccentricity_.empty(); }
 
-  /// In m. @param load_N  >= 0
+  /// The eccentricity in m. @param load_N  >= 0
   double at(double load_N) const;
 
  private:

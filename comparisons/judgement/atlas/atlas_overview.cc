@@ -105,7 +105,7 @@ json on_grid(const Grid& grid, const std::vector<QuantityErrors>& errors) {
   return object;
 }
 
-/// Over a tenth of the runs: median of the medians of repeated calls.
+/// The cost over a tenth of the runs: median of the medians of repeated calls.
 double measured_cost_ns(const PressureModel& model, const std::vector<ContactProblem>& problems) {
   constexpr double kBudget_ns = 1e5;  // per problem
   std::vector<double> costs_ns;

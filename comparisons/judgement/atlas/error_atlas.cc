@@ -277,7 +277,7 @@ constexpr double kShareOfStated = 0.25;
 /// Contacts are placed by a load that is found to round-off.
 constexpr double kRounding = 1e-9;
 
-/// Between two values of a coordinate.
+/// The place of a point between two values of a coordinate.
 struct Place {
   std::size_t lower = 0, upper = 0;
   double part = 0;  ///< of the way from the lower to the upper one

@@ -103,7 +103,7 @@ FingertipLayerTable fit(const std::vector<Sample>& samples, int left_out) {
   const Equations symmetric = equations_of(samples, 0, kSymmetricEffects, kSymmetricTerms);
   const Equations aspect =
       equations_of(samples, kSymmetricEffects, kFingertipEffects, kAspectTerms);
-  /// By the stated errors of one or two quantities.
+  /// Weights by the stated errors of one or two quantities.
   const auto weights = [&](std::initializer_list<Quantity> quantities) {
     Eigen::VectorXd weight(count);
     for (Eigen::Index i = 0; i < count; ++i) {

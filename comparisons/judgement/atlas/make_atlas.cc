@@ -111,7 +111,7 @@ reference::FemProblem fem_problem_of(const AtlasRun& run) {
   return problem;
 }
 
-/// Without units, as AtlasRun wants them.
+/// The numbers without units that AtlasRun wants.
 void take_answer(const reference::ReferenceResult& result, AtlasRun& run) {
   const auto or_nan = [](const std::optional<double>& error) { return error.value_or(kNaN); };
   const ContactProblem unit = problem_of(run);

@@ -27,8 +27,9 @@ struct SelectionOptions {
 struct Candidate {
   std::string model;
   double cost_us = 0;  ///< as measured, or of an earlier run
-  /// By which costs are compared: all models of the hot path are equal, since what they differ by
-  /// is less than what one measurement differs from the next; the others differ by decades.
+  /// The rank by which costs are compared: all models of the hot path are equal, since what they
+  /// differ by is less than what one measurement differs from the next; the others differ by
+  /// decades.
   int cost_class = 0;
   std::optional<QuantityErrors> bound;  ///< `Assessment::total`: what the fit leaves open included
   bool asked = false;

@@ -115,7 +115,7 @@ Uses uses_of(const input::Scene& scene, const Recording& recording) {
   return uses;
 }
 
-/// For the finger as it is curved in the scene.
+/// The choice for the finger as it is curved in the scene.
 Choice choose_for_finger(const ContactProblem& problem, const SelectionOptions& options) {
   input::Case contact;
   contact.layer = problem.layer;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr int tiles_of(int size) { return (size + kFour - 1) / kFour; }
 
-/// Between columns: an odd number of tiles, so that the elements of a row do not share a set of the
-/// cache.
+/// Columns lie an odd number of tiles apart, so that the elements of a row do not share a set of
+/// the cache.
 constexpr std::ptrdiff_t stride_of(int tiles) { return kFour * std::ptrdiff_t(tiles | 1); }
 
 /// Columns of a matrix in tiles, `stride` apart, and which tiles are not zero.

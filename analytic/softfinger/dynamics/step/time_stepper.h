@@ -242,7 +242,7 @@ class TimeStepper {
   ContactLcp problem_;     ///< of all rows, without W: each island has its own
   ContactSolution solution_;
   std::vector<Place> place_of_row_, last_places_;
-  /// Per contact: the largest entry of its normal row, and of its first three rows.
+  /// The largest entry of each contact's normal row, and of its first three rows.
   std::vector<std::pair<double, double>> opening_;
   std::vector<long> ids_, last_ids_;  ///< per row: contacts by their id, limits by -2 and less
   /// Rows that feel each other: a problem of its own, which remembers how it was solved.
