@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <limits>
 #include <new>
 #include <optional>
 #include <string_view>
@@ -222,26 +223,33 @@ std::string_view next_word_of(std::string_view& text) {
   return word;
 }
 
+/// The number that is the whole word; the largest one for anything else.
 std::size_t whole_number(std::string_view word) {
   std::size_t number = 0;
-  std::from_chars(word.data(), word.data() + word.size(), number);
-  return number;
+  const char* const end = word.data() + word.size();
+  const auto [rest, error] = std::from_chars(word.data(), end, number);
+  return error == std::errc() && rest == end ? number : std::numeric_limits<std::size_t>::max();
 }
 
-/// Refuses a PLY file of text that ends before what its head announces: Assimp takes the corners
-/// that are missing for those that were read last.
+/// Refuses a PLY file that ends before what its head announces. Assimp takes the corners that are
+/// missing in a text for those that were read last, and counts to any number that is announced.
 void refuse_truncated_ply(std::string_view text, const std::string& path) {
   struct Element {
     std::string_view name;
     std::size_t count = 0;
     std::vector<bool> is_list;  ///< its properties
   };
+  const auto refuse = [&](const std::string& allowed) {
+    throw InputError(path, "PLY file", "truncated or damaged", allowed);
+  };
+  const std::string_view last_line = "\nend_header";
+  const std::size_t end = text.find(last_line);
+  if (end == std::string_view::npos) refuse("a head that ends with end_header");
+  std::string_view head = text.substr(0, end), body = text.substr(end + last_line.size());
+  if (body.empty() || (body[0] != '\n' && body[0] != '\r'))
+    refuse("a head that ends with end_header");
+  const bool is_text = head.find("format ascii") != std::string_view::npos;
   std::vector<Element> elements;
-  const std::string_view end = "end_header";
-  std::string_view body = text.substr(std::min(text.find(end), text.size() - 1));
-  std::string_view head = text.substr(0, text.size() - body.size());
-  if (head.find("format ascii") == std::string_view::npos) return;
-  next_word_of(body);
   while (!head.empty()) {
     std::string_view line = head.substr(0, head.find('\n'));
     head.remove_prefix(std::min(line.size() + 1, head.size()));
@@ -249,18 +257,21 @@ void refuse_truncated_ply(std::string_view text, const std::string& path) {
     if (word == "element") elements.push_back({name, whole_number(next_word_of(line)), {}});
     if (word == "property" && !elements.empty()) elements.back().is_list.push_back(name == "list");
   }
-  for (const Element& element : elements)
-    for (std::size_t i = 0; i < element.count && !element.is_list.empty(); ++i)
+  for (const Element& element : elements) {
+    const auto refuse_element = [&] {
+      refuse(fmt::format("as many of element {} as it announces",
+                         in_quotes(std::string(element.name.substr(0, kLongestName)))));
+    };
+    // Each takes a byte at least.
+    if (element.count > body.size()) refuse_element();
+    for (std::size_t i = 0; is_text && i < element.count; ++i)
       for (const bool is_list : element.is_list) {
         std::string_view word = next_word_of(body);
         for (std::size_t more = is_list ? whole_number(word) : 0; more > 0 && !word.empty(); --more)
           word = next_word_of(body);
-        if (word.empty())
-          throw InputError(
-              path, "file", "truncated",
-              fmt::format("the {} of element {} that it announces", element.count,
-                          in_quotes(std::string(element.name.substr(0, kLongestName)))));
+        if (word.empty()) refuse_element();
       }
+  }
 }
 
 /// Assimp leaves out what it does not know of these, instead of refusing the file.

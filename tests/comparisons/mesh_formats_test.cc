@@ -338,6 +338,11 @@ TEST_F(MeshFormats, RefuseWhatIsNoneOfThem) {
                  "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\n"
                  "property float z\nend_header\n0 0 0\n1 0 0\n",
                  "triangles");
+  // Assimp would count to this number.
+  std::string endless = ply_of(cap(1e-3), false);
+  endless.replace(endless.find("vertex ") + 7, 3, "99999999999999999999");
+  expect_refusal("endless.ply", endless, "\"vertex\"");
+  expect_refusal("headless.ply", "ply\nformat ascii 1.0\nelement vertex 4\n", "end_header");
   EXPECT_NE(refusal_of((folder.path() / "absent.dae").string()).find("missing"), std::string::npos);
   fs::create_directory(folder.path() / "folder.glb");
   EXPECT_NE(refusal_of((folder.path() / "folder.glb").string()).find("a folder"),
@@ -389,7 +394,7 @@ TEST_F(MeshFormats, AreTheFingersOfRobots) {
   for (const char* mesh : {"tip.dae", "tip.glb", "tip.3mf"})
     EXPECT_NEAR(radius_mm(mesh, "") / expected, 1, rounded) << mesh;
   EXPECT_NEAR(radius_mm("tip.glb", " scale='2 2 2'") / expected, 2, 0.02);
-  // The same robot as a scene: its only link is fixed.
+  // This robot is a scene, too; its only link is fixed.
   const ProgramRun simulated = run({"simulate", "robot.urdf", "--write-scene", "scene.toml",
                                     "--set", "simulation.duration_s=0.01", "--json"});
   EXPECT_EQ(simulated.status, 0) << simulated.err;

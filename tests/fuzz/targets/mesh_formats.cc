@@ -60,7 +60,7 @@ std::vector<std::string> seeds_of_3mf() {
       "0 1 5 5 5\"/>\n<component objectid=\"1\"/></components></object>\n</resources>");
   composed.replace(composed.find("item objectid=\"1\""), 17, "item objectid=\"7\"");
   return {model, composed, tests::threemf_of(parts(), "millimeter"),
-          tests::threemf_of(parts(), "meter", true)};
+          tests::threemf_of(parts(), "centimeter", true)};
 }
 
 #ifdef SOFTFINGER_HAS_ASSIMP
