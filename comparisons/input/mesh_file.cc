@@ -4,6 +4,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <map>
@@ -82,12 +83,12 @@ Conversion convert_by_program(const std::string& path, const std::string& part) 
     throw system::Interrupted(signal);
   const std::string& absolute = job.command[2];
   if (outcome.exit_status > 0 && !outcome.last_line.empty()) {
-    // The file as it was typed.
-    const std::string start = absolute + ": ";
-    throw InputError(path,
-                     outcome.last_line.rfind(start, 0) == 0 ? outcome.last_line.substr(start.size())
-                                                            : outcome.last_line,
-                     "", "");
+    const std::string& said = outcome.last_line;
+    if (said.rfind(absolute + ":", 0) != 0) throw InputError(path, said, "", "");
+    // The file as it was typed, and the line where there is one.
+    const std::size_t colon = said.find(": ", absolute.size());
+    throw InputError(path + said.substr(absolute.size(), colon - absolute.size()),
+                     said.substr(std::min(colon, said.size() - 2) + 2), "", "");
   }
   const std::size_t end = outcome.output.find('\n');
   constexpr std::string_view kUnit = "metres_per_unit";

@@ -274,6 +274,20 @@ void refuse_truncated_ply(std::string_view text, const std::string& path) {
   }
 }
 
+/// Refuses indices of a DAE file that are no numbers, at which Assimp never ends.
+void refuse_broken_indices(std::string_view text, const std::string& path) {
+  for (const std::string_view opening : {"<p>", "<vcount>"})
+    for (std::size_t at = 0; (at = text.find(opening, at)) != std::string_view::npos;) {
+      at += opening.size();
+      const std::size_t bad = text.find_first_not_of("0123456789 \t\r\n", at);
+      if (bad != std::string_view::npos && text[bad] != '<') {
+        const auto line = 1 + std::count(text.begin(), text.begin() + std::ptrdiff_t(bad), '\n');
+        throw InputError(fmt::format("{}:{}", path, line), std::string(opening),
+                         in_quotes(std::string(text.substr(bad, 1))), "whole numbers >= 0");
+      }
+    }
+}
+
 /// Assimp leaves out what it does not know of these, instead of refusing the file.
 void refuse_packed_gltf(const std::string& bytes, const std::string& path) {
   for (const char* extension : {"EXT_meshopt_compression", "MESHOPT_compression"})
@@ -292,6 +306,7 @@ MeshParts read_by_assimp(std::string bytes, const std::string& path) {
   const meshes::MeshFormat& format = *meshes::mesh_format(path);
   const std::string suffix = format.suffix + 1;
   const bool is_dae = suffix == "dae", is_ply = suffix == "ply";
+  if (is_dae) refuse_broken_indices(bytes, path);
   if (is_ply && !bytes.empty()) refuse_truncated_ply(bytes, path);
   if (!is_dae && !is_ply) refuse_packed_gltf(bytes, path);
   Assimp::Importer importer;

@@ -325,6 +325,10 @@ TEST_F(MeshFormats, RefuseNumbersThatAreNone) {
   astray.triangles[5][1] = 1'000'000;
   expect_refusal("b.ply", ply_of(astray, true), "");
   expect_refusal("b.3mf", threemf_of({{"cap", astray}}, ""), "v2 = the number of a vertex");
+  // Assimp would never end.
+  std::string letter = dae_of({{"cap", cap(1e-3)}}, "", "");
+  letter[letter.find("<p>") + 4] = 'n';
+  expect_refusal("letter.dae", letter, "<p> = \"n\": allowed: whole numbers");
   expect_refusal("c.dae", dae_of({{"cap", cap(1e-3)}}, "-1", ""), "unit");
   expect_refusal("c.3mf", threemf_of({{"cap", cap(1e-3)}}, "parsec"), "micron, millimeter");
 }
