@@ -5,6 +5,7 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
 #include "comparisons/text/number.h"
+#include "meshes/io/mesh_formats.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -95,8 +96,7 @@ input::Settings settings_of(const CaseInput& typed) {
 namespace {
 
 bool is_mesh(const std::filesystem::path& file) {
-  const std::string ending = text::lower_case(file.extension().string());
-  return ending == ".stl" || ending == ".obj";
+  return meshes::mesh_format(file.string()) != nullptr;
 }
 
 }  // namespace

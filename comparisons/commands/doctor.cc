@@ -109,10 +109,11 @@ std::vector<Finding> find_all() {
            : fmt::format("softfinger explore: needs a compiler for WebAssembly when softfinger is "
                          "built (Debian: {})",
                          report::kExplorerPackages)},
-      file_finding("robots' files", system::program_folder() / "softfinger-robot",
-                   "softfinger-robot: MJCF, URDF and SDF for simulate; needs MuJoCo, urdfdom and "
-                   "libsdformat when softfinger is built (Debian: libmujoco-dev, liburdfdom-dev, "
-                   "libsdformat-dev)"),
+      file_finding(
+          "robots' files", system::program_folder() / "softfinger-robot",
+          "softfinger-robot: MJCF, URDF and SDF for simulate, meshes as DAE, GLB, glTF, PLY "
+          "and 3MF; needs MuJoCo, urdfdom, libsdformat and Assimp when softfinger is built "
+          "(Debian: libmujoco-dev, liburdfdom-dev, libsdformat-dev, libassimp-dev)"),
       file_finding("sweeps on many machines", system::program_folder() / "softfinger-sweep",
                    "softfinger-sweep: needs MPI when softfinger is built (Debian: "
                    "libopenmpi-dev)"),

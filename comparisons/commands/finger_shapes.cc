@@ -9,12 +9,14 @@
 
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/number_option.h"
+#include "comparisons/input/mesh_file.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/robots/mesh_file.h"
 #include "comparisons/robots/package_paths.h"
 #include "comparisons/text/nearest_name.h"
 #include "comparisons/text/number.h"
+#include "meshes/io/mesh_formats.h"
 #include "meshes/io/whole_file.h"
 #include "softfinger/input/errors.h"
 
@@ -449,17 +451,22 @@ fs::path RobotMeshes::find(const NamedMesh& named) const {
 
 const RobotMeshes::Mesh& RobotMeshes::read(const NamedMesh& named) {
   const fs::path path = find(named);
+  const bool is_converted = meshes::is_converted_mesh(path.string());
+  if (is_converted && format_ == exporting::RobotFormat::mjcf)
+    throw InputError(named.named_by->where(), "file", in_quotes(named.file),
+                     "STL or OBJ: MuJoCo reads no other meshes");
   const Vector3d& scale = named.scale;
   const std::string key =
       fmt::format("{} {} {} {}", path.string(), scale.x(), scale.y(), scale.z());
   std::unique_ptr<Mesh>& mesh = meshes_[key];
   if (mesh) return *mesh;
   auto made = std::make_unique<Mesh>();
-  made->surface = robots::read_mesh(path, scale);
+  made->surface = robots::read_mesh(
+      path, scale, [](const std::string& file) { return input::converted_mesh(file, ""); });
   const bool is_uniform = scale.x() > 0 && scale.x() == scale.y() && scale.y() == scale.z();
   made->path = path;
   made->metres_per_unit = scale.x();
-  if (!is_uniform) {
+  if (!is_uniform || is_converted) {
     if (!copies_) copies_ = std::make_unique<TemporaryFolder>();
     made->path = copies_->path() / fmt::format("scaled_{}.stl", meshes_.size());
     made->metres_per_unit = 1;

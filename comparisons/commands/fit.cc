@@ -25,7 +25,7 @@ namespace softfinger::commands {
 namespace {
 
 struct FitOptions {
-  std::string mesh, point, normal, unit, page, command_line;
+  std::string mesh, point, normal, unit, part, page, command_line;
   double radius_mm = 0;
   bool radius_given = false, write_page = false, json = false;
 };
@@ -62,7 +62,8 @@ int run_fit(const FitOptions& options) {
                      "a finite number > 0, in mm");
 
   const auto path = system::find_mesh_file(options.mesh, "");
-  const auto file = read_typed_skin(path.string(), options.unit, "--point", options.point);
+  const auto file =
+      read_typed_skin({path.string(), options.unit, options.part}, "--point", options.point);
   const Eigen::Vector3d point_m = file.metres_per_unit * typed_point;
   std::vector<std::string> remarks;  // the answer comes first
   for (const std::string& note :
@@ -115,8 +116,8 @@ int run_fit(const FitOptions& options) {
     point.point_m = point_m;
     point.normal = fit.normal;
     point.fit = fit;
-    write_fits_page(options.page, options.mesh, input::unit_name(file.metres_per_unit),
-                    file.surface, {point}, options.command_line);
+    write_fits_page(options.page, input::named_mesh(options.mesh, options.part, file), file.surface,
+                    {point}, options.command_line);
   }
   const auto say_remarks = [&remarks] {
     for (const std::string& said : remarks) remark(said);
@@ -164,11 +165,11 @@ void add_fit(CLI::App& app, Action& action, const std::string& command_line) {
   auto options = std::make_shared<FitOptions>();
   options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
-      "fit",
-      "Local quadric of an STL or OBJ surface: A, B, C, principal radii, directions, residual");
+      "fit", "Local quadric of a surface: A, B, C, principal radii, directions, residual");
   command
       ->add_option("MESH", options->mesh,
-                   "STL or OBJ file, the name of a built-in mesh, or \"-\" for standard input")
+                   std::string("file in ") + meshes::kMeshFormats +
+                       ", the name of a built-in mesh, or \"-\" for standard input (STL or OBJ)")
       ->required();
   command
       ->add_option("--point", options->point,
@@ -181,11 +182,7 @@ void add_fit(CLI::App& app, Action& action, const std::string& command_line) {
   auto* radius =
       command->add_option("--radius-mm", options->radius_mm,
                           "radius of the fitted region in mm, > 0 (default: about 40 vertices)");
-  command
-      ->add_option("--unit", options->unit,
-                   "unit of the mesh and of --point: \"mm\" or \"m\"; default: guessed, as "
-                   "softfinger mesh does")
-      ->check(CLI::IsMember({"mm", "m"}));
+  add_mesh_options(*command, options->unit, options->part, " and of --point");
   const CLI::Option* page = command->add_option(
       "--page", options->page,
       "HTML file to write: the surface in 3-D with the region and the quadric, as softfinger mesh");

@@ -16,7 +16,6 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/percent.h"
-#include "comparisons/text/toml_text.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
 
@@ -26,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct InitOptions {
-  std::string file = "my_finger.toml", mesh, along = "-y", near, unit;
+  std::string file = "my_finger.toml", mesh, along = "-y", near, unit, part;
   bool along_given = false, unit_given = false, force = false, json = false;
 };
 
@@ -35,8 +34,7 @@ constexpr const char* kPlane =
     "\"object.stl\", along = \"+z\" }\n";
 
 /// The best pad's line, and the next best as comments; empty where no place is usable.
-std::string pads_text(const InitOptions& options, const meshes::SurfaceFile& file,
-                      const std::string& unit) {
+std::string pads_text(const meshes::SurfaceFile& file, const input::NamedMesh& named) {
   std::vector<judgement::PadPlace> places;
   for (const std::string axis : {"-y", "+y", "-x", "+x", "-z", "+z"}) {
     const Eigen::Vector3d direction = *input::axis_direction(axis);
@@ -54,7 +52,7 @@ std::string pads_text(const InitOptions& options, const meshes::SurfaceFile& fil
   std::size_t listed = 0;
   for (const judgement::Pad& pad : pads.best_first) {
     if (!pad.is_usable() || listed == kMostListed) continue;
-    const report::MeshPoint point = point_of(pad, options.mesh, unit, input::MeshRole::finger);
+    const report::MeshPoint point = point_of(pad, named, input::MeshRole::finger);
     lines += fmt::format("{}{}   # {}: ± {} at {:g} N\n", listed++ == 0 ? "" : "# ", point.toml,
                          point.name, text::percent(pad.worst), pressing.load_N);
   }
@@ -72,24 +70,26 @@ std::string geometry_text(const InitOptions& options) {
            "tip.stl\n";
   const std::string path =
       system::find_mesh_file(options.mesh, fs::path(options.file).parent_path()).string();
-  const meshes::SurfaceFile file = read_typed_skin(path, options.unit, "--near", options.near);
-  const std::string unit = input::unit_name(file.metres_per_unit);
+  const meshes::SurfaceFile file =
+      read_typed_skin({path, options.unit, options.part}, "--near", options.near);
+  const input::NamedMesh named = input::named_mesh(options.mesh, options.part, file);
   // A typed unit is in the case, whose reader doubts it.
   if (const std::string doubt = finger_unit_remark(file); file.is_unit_guessed && !doubt.empty())
     remark(path + ": " + doubt);
   if (options.near.empty() && !options.along_given) {
-    const std::string pads = pads_text(options, file, unit);
+    const std::string pads = pads_text(file, named);
     if (!pads.empty()) return pads + kPlane;
   }
   if (!options.near.empty())
-    return geometry_line(options.mesh, unit, point_near(file.surface, options.near, unit, path)) +
+    return geometry_line(named,
+                         point_near(file.surface, options.near, named.metres_per_unit, path)) +
            "\n" + kPlane;
   return fmt::format(
       "# along: the point that lies farthest there. Any other: near_mm = [x, y, z], the nearest "
       "one;\n"
       "# softfinger mesh FILE --page page.html shows the finger, where a click gives these lines.\n"
-      "finger = {{ mesh = {}, unit = \"{}\", along = \"{}\" }}\n{}",
-      text::toml_text(options.mesh), unit, options.along, kPlane);
+      "finger = {{ {}, along = \"{}\" }}\n{}",
+      named.entries(), options.along, kPlane);
 }
 
 std::string case_text(const InitOptions& options) {
@@ -122,8 +122,9 @@ std::string case_text(const InitOptions& options) {
 int run_init(const InitOptions& options) {
   if (options.file.empty())
     throw InputError("command line", "FILE", "\"\"", "the name of a file, or \"-\"");
-  if (options.mesh.empty() && (options.along_given || options.unit_given || !options.near.empty()))
-    throw InputError("command line", "--along, --near, --unit", "", "with --mesh");
+  if (options.mesh.empty() &&
+      (options.along_given || options.unit_given || !options.near.empty() || !options.part.empty()))
+    throw InputError("command line", "--along, --near, --unit, --part", "", "with --mesh");
   if (!input::axis_direction(options.along))
     throw InputError("command line", "--along", "\"" + options.along + "\"",
                      "+x, -x, +y, -y, +z or -z");
@@ -160,8 +161,9 @@ void add_init(CLI::App& app, Action& action) {
   command->add_option("FILE", options->file,
                       "the file to write, \"-\" for standard output; default: my_finger.toml");
   command->add_option("--mesh", options->mesh,
-                      "the finger as an STL or OBJ file, named as seen from FILE's folder, or a "
-                      "built-in mesh; default: a finger by its radii");
+                      std::string("the finger as a file in ") + meshes::kMeshFormats +
+                          ", named as seen from FILE's folder, or a built-in mesh; default: a "
+                          "finger by its radii");
   CLI::Option* along = command->add_option(
       "--along", options->along,
       "direction in which the finger is touched: +x, -x, +y, -y, +z or -z; default: at the best "
@@ -172,20 +174,16 @@ void add_init(CLI::App& app, Action& action) {
           "X,Y,Z: instead touched at the surface's point nearest to this one, in the mesh's "
           "unit")
       ->excludes(along);
-  const CLI::Option* unit =
-      command
-          ->add_option("--unit", options->unit,
-                       "of the mesh: \"mm\" or \"m\"; default: guessed, as softfinger mesh does")
-          ->check(CLI::IsMember({"mm", "m"}));
+  add_mesh_options(*command, options->unit, options->part, "");
   command->add_flag("--force", options->force, "replace a file that is there");
   command->add_flag("--json", options->json, "one JSON object on standard output: file and text");
   command->footer(
       "Samples:\n"
       "  softfinger init -\n"
       "  softfinger init pad.toml --mesh shadow_like_pad.stl --along +z --force");
-  command->callback([options, along, unit, &action] {
+  command->callback([options, along, &action] {
     options->along_given = along->count() > 0;
-    options->unit_given = unit->count() > 0;
+    options->unit_given = !options->unit.empty();
     action = [options] { return run_init(*options); };
   });
 }

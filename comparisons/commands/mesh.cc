@@ -20,7 +20,6 @@
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/percent.h"
-#include "comparisons/text/toml_text.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -32,7 +31,7 @@ using input::MeshRole;
 using judgement::Pad;
 
 struct MeshOptions {
-  std::string file, along, near, unit, page, picture, command_line;
+  std::string file, along, near, unit, part, page, picture, command_line;
   std::string layer, load, friction;
   DemandInput demand;
   bool write_page = false, write_picture = false, json = false;
@@ -41,13 +40,14 @@ struct MeshOptions {
 struct ReadMesh {
   meshes::SurfaceFile file;
   MeshRole role = MeshRole::finger;
+  input::NamedMesh named;
   std::string unit, doubt;  ///< about the unit, or how it was guessed
 };
 
-ReadMesh read_mesh(const std::string& path, const std::string& typed_unit,
-                   const std::string& near) {
+ReadMesh read_mesh(const std::string& path, const MeshOptions& options) {
   ReadMesh read;
-  read.file = read_typed_skin(path, typed_unit, "--near", near);
+  read.file = read_typed_skin({path, options.unit, options.part}, "--near", options.near);
+  read.named = input::named_mesh(options.file, options.part, read.file);
   read.role = input::likely_role(read.file);
   read.unit = input::unit_name(read.file.metres_per_unit);
   read.doubt = input::unit_remark(read.file, read.role, input::UnitIsTold::on_the_command_line);
@@ -88,7 +88,8 @@ std::vector<report::MeshPoint> points_of(const MeshOptions& options, const ReadM
                                          const std::string& path) {
   const TriangleSurface& surface = read.file.surface;
   std::vector<report::MeshPoint> points;
-  if (!options.near.empty()) points.push_back(point_near(surface, options.near, read.unit, path));
+  if (!options.near.empty())
+    points.push_back(point_near(surface, options.near, read.file.metres_per_unit, path));
   for (const std::string axis : {"-y", "+y", "-x", "+x", "-z", "+z"}) {
     const Vector3d direction = *input::axis_direction(axis);
     if (options.along.empty() ? !options.near.empty()
@@ -99,8 +100,7 @@ std::vector<report::MeshPoint> points_of(const MeshOptions& options, const ReadM
                                     &direction,
                                     options.along.empty() ? Advice::none : Advice::nearest_point));
   }
-  for (report::MeshPoint& point : points)
-    point.toml = geometry_line(options.file, read.unit, point, read.role);
+  for (report::MeshPoint& point : points) point.toml = geometry_line(read.named, point, read.role);
   return points;
 }
 
@@ -185,7 +185,7 @@ nlohmann::json face_json(const prediction::FlatFace& face) {
           {"outermost", face.is_outermost},          {"ring", face.is_ring()}};
 }
 
-nlohmann::json pad_json(const MeshOptions& options, const ReadMesh& read, const Pad& pad) {
+nlohmann::json pad_json(const ReadMesh& read, const Pad& pad) {
   const bool has_answer = pad.answer && pad.answer->prediction.has_answer;
   nlohmann::json entry = {
       {"name", pad.name},
@@ -212,7 +212,7 @@ nlohmann::json pad_json(const MeshOptions& options, const ReadMesh& read, const 
   number("max_torque_Nm",
          has_answer ? pad.answer->friction_ellipsoid(prediction::TorqueRule::exact).max_torque_Nm()
                     : 0);
-  const std::string line = point_of(pad, options.file, read.unit, read.role).toml;
+  const std::string line = point_of(pad, read.named, read.role).toml;
   entry["toml"] = line.empty() ? nlohmann::json() : nlohmann::json(line);
   return entry;
 }
@@ -233,12 +233,14 @@ nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read, const A
     entry["toml"] = point.toml.empty() ? nlohmann::json() : nlohmann::json(point.toml);
     list.push_back(entry);
   }
-  for (const Pad& pad : answer.pads.best_first) pads.push_back(pad_json(options, read, pad));
+  for (const Pad& pad : answer.pads.best_first) pads.push_back(pad_json(read, pad));
   for (const prediction::FlatFace& face : answer.pads.faces) faces.push_back(face_json(face));
   return {{"mesh", options.file},
           {"answer", answer.sentence},
           {"role", read.role == MeshRole::finger ? "finger" : "object"},
           {"unit", read.unit},
+          {"metres_per_unit", read.file.metres_per_unit},
+          {"part", options.part.empty() ? nlohmann::json() : nlohmann::json(options.part)},
           {"unit_guessed", read.file.is_unit_guessed},
           {"unit_doubt", input::is_width_doubtful(read.file, read.role) ? nlohmann::json(read.doubt)
                                                                         : nlohmann::json()},
@@ -262,11 +264,11 @@ nlohmann::json to_json(const MeshOptions& options, const ReadMesh& read, const A
 }
 
 /// The best places first, then those points that were asked for and are not among them.
-std::vector<report::MeshPoint> shown_points(const MeshOptions& options, const ReadMesh& read,
-                                            const Answer& answer, std::size_t most) {
+std::vector<report::MeshPoint> shown_points(const ReadMesh& read, const Answer& answer,
+                                            std::size_t most) {
   std::vector<report::MeshPoint> shown;
   const auto add = [&](const Pad& pad) {
-    report::MeshPoint point = point_of(pad, options.file, read.unit, read.role);
+    report::MeshPoint point = point_of(pad, read.named, read.role);
     // A point that was asked for is shown as it was described: with the fit that `fit` makes.
     for (const report::MeshPoint& asked : answer.points)
       if (asked.name == pad.name && asked.fit) {
@@ -303,10 +305,12 @@ std::string to_text(const MeshOptions& options, const ReadMesh& read, const Answ
       "{}: {}\n  x {:.4g} to {:.4g}, y {:.4g} to {:.4g}, z {:.4g} to {:.4g} mm, read in {}{}\n\n",
       options.file, facts_in_words(read.file), least.x(), largest.x(), least.y(), largest.y(),
       least.z(), largest.z(), read.unit,
-      read.file.is_unit_guessed ? " (guessed; --unit says it)" : "");
+      read.file.is_unit_guessed ? " (guessed; --unit says it)"
+      : read.named.is_own_unit  ? ", as the file says"
+                                : "");
   text += fmt::format("{:<22} {:>28} {:>26} {:>19} {:>9}\n", "point", "x, y, z mm", "normal",
                       "radii mm", "region mm");
-  const auto shown = shown_points(options, read, answer, kMostListed);
+  const auto shown = shown_points(read, answer, kMostListed);
   for (const report::MeshPoint& point : shown) {
     const auto list = [](const Vector3d& v, int digits) {
       const double step = std::pow(10, -digits);
@@ -340,19 +344,17 @@ int run_mesh(const MeshOptions& options) {
     throw InputError("command line", "--picture", "\"\"", "the name of a PNG file");
   const judgement::Pressing pressing = pressing_of(options);
   const auto path = system::find_mesh_file(options.file, "");
-  const ReadMesh read = read_mesh(path.string(), options.unit, options.near);
+  const ReadMesh read = read_mesh(path.string(), options);
   const Answer answer = answer_of(options, read, path.string(), pressing);
   const std::string repairs = meshes::repairs(read.file);
   if (options.write_page) {
     report::MeshPage page;
-    page.mesh = options.file;
-    page.mesh_toml = text::toml_text(options.file);
-    page.unit = read.unit;
+    name_mesh(page, read.named);
     page.facts = answer.sentence + ". " + facts_in_words(read.file) + ".";
     for (const std::string& doubt : {read.doubt, repairs})
       if (!doubt.empty()) page.doubts.push_back(doubt);
     constexpr std::size_t kMostOnPage = 20;
-    page.points = shown_points(options, read, answer, kMostOnPage);
+    page.points = shown_points(read, answer, kMostOnPage);
     page.version = "softfinger " + system::program_version();
     page.command = options.command_line;
     system::write_file_atomically(options.page, report::mesh_page(read.file.surface, page));
@@ -379,11 +381,12 @@ void add_mesh(CLI::App& app, Action& action, const std::string& command_line) {
   options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
       "mesh",
-      "An STL or OBJ surface at a glance: the best pad, places to press on with what each gives, "
+      "A surface at a glance: the best pad, places to press on with what each gives, "
       "size, unit, closed or not, lines for a case");
   command
       ->add_option("MESH", options->file,
-                   "STL or OBJ file, the name of a built-in mesh, or \"-\" for standard input")
+                   std::string("file in ") + meshes::kMeshFormats +
+                       ", the name of a built-in mesh, or \"-\" for standard input (STL or OBJ)")
       ->required();
   CLI::Option* along = command->add_option(
       "--along", options->along,
@@ -401,12 +404,7 @@ void add_mesh(CLI::App& app, Action& action, const std::string& command_line) {
       ->add_option("--near", options->near,
                    "X,Y,Z: only the surface's point nearest to this one, in the mesh's unit")
       ->excludes(along);
-  command
-      ->add_option(
-          "--unit", options->unit,
-          "of the mesh: \"mm\" or \"m\"; default: the one in which its width, the middle one of "
-          "its three sizes, is nearer to a finger's 15 mm")
-      ->check(CLI::IsMember({"mm", "m"}));
+  add_mesh_options(*command, options->unit, options->part, "");
   const CLI::Option* page = command->add_option(
       "--page", options->page,
       "HTML file to write: the surface in 3-D with the points, the fitted regions and quadrics; a "

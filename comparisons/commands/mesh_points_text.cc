@@ -14,7 +14,6 @@
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/percent.h"
-#include "comparisons/text/toml_text.h"
 #include "softfinger/geometry/surface_region.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
@@ -27,22 +26,39 @@ Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
   return {numbers[0], numbers[1], numbers[2]};
 }
 
-meshes::SurfaceFile read_typed_surface(const std::string& path, const std::string& unit) {
+void add_mesh_options(CLI::App& command, std::string& unit, std::string& part,
+                      const std::string& also) {
+  command
+      .add_option("--unit", unit,
+                  "of the mesh" + also +
+                      ": \"mm\" or \"m\"; default: the one that the file says (DAE, GLB, glTF, "
+                      "3MF), else the one in which its width, the middle one of its three sizes, "
+                      "is nearer to a finger's 15 mm")
+      ->check(CLI::IsMember({"mm", "m"}));
+  command.add_option("--part", part,
+                     "NAME of one part of a DAE, GLB, glTF or 3MF file, with all that hangs on it; "
+                     "default: all parts");
+}
+
+meshes::SurfaceFile read_typed_surface(const TypedMesh& typed) {
   std::optional<double> metres_per_unit;
-  if (!unit.empty()) metres_per_unit = unit == "m" ? 1 : 1e-3;
-  const std::string name = path == "-" ? "standard input" : path;
+  if (!typed.unit.empty()) metres_per_unit = typed.unit == "m" ? 1 : 1e-3;
+  const bool is_input = typed.path == "-";
+  const std::string name = is_input ? "standard input" : typed.path;
+  if (is_input && !typed.part.empty())
+    throw InputError("command line", "--part", "\"" + typed.part + "\"",
+                     "with a file: standard input is read as STL or OBJ, which have no parts");
   meshes::SurfaceFile file =
-      path == "-"
-          ? meshes::parse_surface(system::read_standard_input(meshes::kLargestSurface_bytes), name,
-                                  metres_per_unit)
-          : meshes::read_surface(path, metres_per_unit);
+      is_input ? meshes::parse_surface(system::read_standard_input(meshes::kLargestSurface_bytes),
+                                       name, metres_per_unit)
+               : input::read_mesh_file(typed.path, typed.part, metres_per_unit);
   input::require_finger_size(file, name, input::UnitIsTold::on_the_command_line);
   return file;
 }
 
-meshes::SurfaceFile read_typed_skin(const std::string& path, const std::string& unit,
-                                    const std::string& flag, const std::string& point) {
-  meshes::SurfaceFile file = read_typed_surface(path, unit);
+meshes::SurfaceFile read_typed_skin(const TypedMesh& typed, const std::string& flag,
+                                    const std::string& point) {
+  meshes::SurfaceFile file = read_typed_surface(typed);
   std::vector<Eigen::Vector3d> touched_m;
   if (!point.empty())
     touched_m.push_back(
@@ -92,17 +108,17 @@ report::MeshPoint describe_point(const TriangleSurface& surface, const std::stri
 }
 
 report::MeshPoint point_near(const TriangleSurface& surface, const std::string& near,
-                             const std::string& unit, const std::string& path) {
+                             double metres_per_unit, const std::string& path) {
   const Eigen::Vector3d point_m =
-      (unit == "m" ? 1 : 1e-3) *
+      metres_per_unit *
       parse_vector("--near", near, "X,Y,Z: three finite numbers in the mesh's unit");
   prediction::require_point_on_surface(surface, point_m, path, "--near");
   const internal::SurfaceNeighbourhood neighbourhood(surface, point_m, nullptr);
   return describe_point(surface, "nearest to " + near, neighbourhood.centre_m(), nullptr);
 }
 
-std::string geometry_line(const std::string& mesh, const std::string& unit,
-                          const report::MeshPoint& point, input::MeshRole role) {
+std::string geometry_line(const input::NamedMesh& mesh, const report::MeshPoint& point,
+                          input::MeshRole role) {
   if (point.normal.isZero(0)) return "";
   // 0.1 µm and 1e-5 rad; a zero without a minus sign.
   const auto rounded = [](double value, double step) {
@@ -112,9 +128,10 @@ std::string geometry_line(const std::string& mesh, const std::string& unit,
     return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", rounded(v.x(), step), rounded(v.y(), step),
                        rounded(v.z(), step));
   };
-  return fmt::format("{} = {{ mesh = {}, unit = \"{}\", point_mm = {}, normal = {} }}",
-                     role == input::MeshRole::finger ? "finger" : "object",
-                     text::toml_text(mesh == "-" ? "FILE.stl" : mesh), unit,
+  input::NamedMesh named = mesh;
+  if (named.file == "-") named.file = "FILE.stl";
+  return fmt::format("{} = {{ {}, point_mm = {}, normal = {} }}",
+                     role == input::MeshRole::finger ? "finger" : "object", named.entries(),
                      list(1e3 * point.point_m, 1e-4), list(point.normal, 1e-5));
 }
 
@@ -131,27 +148,32 @@ std::string verdict_of(const judgement::Pad& pad) {
                : "");
 }
 
-report::MeshPoint point_of(const judgement::Pad& pad, const std::string& mesh,
-                           const std::string& unit, input::MeshRole role) {
+void name_mesh(report::MeshPage& page, const input::NamedMesh& mesh) {
+  page.mesh = mesh.file;
+  page.mesh_entries = mesh.entries();
+  page.mesh_options = mesh.options();
+  page.metres_per_unit = mesh.metres_per_unit;
+}
+
+report::MeshPoint point_of(const judgement::Pad& pad, const input::NamedMesh& mesh,
+                           input::MeshRole role) {
   report::MeshPoint point;
   point.name = pad.name;
   point.point_m = pad.point_m;
   point.normal = pad.normal;
   point.fit = pad.fit;
   point.verdict = verdict_of(pad);
-  point.toml = geometry_line(mesh, unit, point, role);
+  point.toml = geometry_line(mesh, point, role);
   return point;
 }
 
-void write_fits_page(const std::string& file, const std::string& mesh, const std::string& unit,
+void write_fits_page(const std::string& file, const input::NamedMesh& mesh,
                      const TriangleSurface& surface, std::vector<report::MeshPoint> points,
                      const std::string& command_line) {
   report::MeshPage page;
-  page.mesh = mesh;
-  page.mesh_toml = text::toml_text(mesh);
-  page.unit = unit;
+  name_mesh(page, mesh);
   page.facts = facts_in_words(surface) + ".";
-  for (report::MeshPoint& point : points) point.toml = geometry_line(mesh, unit, point);
+  for (report::MeshPoint& point : points) point.toml = geometry_line(mesh, point);
   page.points = std::move(points);
   page.version = "softfinger " + system::program_version();
   page.command = command_line;

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <Eigen/Core>
 #include <string>
 
+#include "comparisons/input/mesh_file.h"
 #include "comparisons/input/mesh_unit.h"
 #include "comparisons/judgement/pads.h"
 #include "comparisons/report/mesh_page.h"
@@ -16,15 +18,26 @@ namespace softfinger::commands {
 Eigen::Vector3d parse_vector(const std::string& flag, const std::string& text,
                              const std::string& allowed);
 
-/// The surface of a finger in a file, "-": from standard input.
-/// @param unit  "mm" or "m" as typed; empty: it is guessed
-/// @throws InputError as meshes::read_surface, and for a guess that makes no finger of it
-meshes::SurfaceFile read_typed_surface(const std::string& path, const std::string& unit);
+/// A mesh as it was typed on the command line.
+struct TypedMesh {
+  std::string path;  ///< found; "-": standard input, which is STL or OBJ
+  std::string unit;  ///< "mm" or "m"; empty: the file's own, or a guess
+  std::string part;  ///< empty: all of the file
+};
+
+/// Adds --unit and --part.
+/// @param also  what else is in the mesh's unit: " and of --point", or nothing
+void add_mesh_options(CLI::App& command, std::string& unit, std::string& part,
+                      const std::string& also);
+
+/// The surface of a finger in a file.
+/// @throws InputError as input::read_mesh_file, and for a guess that makes no finger of it
+meshes::SurfaceFile read_typed_surface(const TypedMesh& typed);
 
 /// The surface of a finger as read_typed_surface reads it, but its outer skin alone.
 /// @param flag, point  X,Y,Z as typed, where the body is touched, in the mesh's unit; may be empty
-meshes::SurfaceFile read_typed_skin(const std::string& path, const std::string& unit,
-                                    const std::string& flag, const std::string& point);
+meshes::SurfaceFile read_typed_skin(const TypedMesh& typed, const std::string& flag,
+                                    const std::string& point);
 
 /// A remark on the unit, for commands that have --unit, or empty.
 std::string finger_unit_remark(const meshes::SurfaceFile& file);
@@ -45,30 +58,31 @@ report::MeshPoint describe_point(const TriangleSurface& surface, const std::stri
                                  const Eigen::Vector3d& point_m, const Eigen::Vector3d* normal,
                                  Advice advice = Advice::nearest_point);
 
-/// The surface's point nearest to --near X,Y,Z, in the mesh's unit, "mm" or "m".
+/// The surface's point nearest to --near X,Y,Z, in the mesh's unit.
 /// @param path  of the mesh, for messages
 /// @throws InputError for a point that is not near the surface
 report::MeshPoint point_near(const TriangleSurface& surface, const std::string& near,
-                             const std::string& unit, const std::string& path);
+                             double metres_per_unit, const std::string& path);
 
 /// The line of [geometry]: "finger = { mesh = .., point_mm = .., normal = .. }". The mesh of
 /// standard input is called FILE.stl: a case needs a file.
-std::string geometry_line(const std::string& mesh, const std::string& unit,
-                          const report::MeshPoint& point,
+std::string geometry_line(const input::NamedMesh& mesh, const report::MeshPoint& point,
                           input::MeshRole role = input::MeshRole::finger);
 
+/// Sets how a page names its mesh.
+void name_mesh(report::MeshPage& page, const input::NamedMesh& mesh);
+
 /// A pressed place as a point to show, with its line for a case.
-report::MeshPoint point_of(const judgement::Pad& pad, const std::string& mesh,
-                           const std::string& unit, input::MeshRole role);
+report::MeshPoint point_of(const judgement::Pad& pad, const input::NamedMesh& mesh,
+                           input::MeshRole role);
 
 /// "usable, torque 2.9 mN·m, contact 8.4 x 4.1 mm, ± 3.1 %", "flat, 22 x 37 mm: a pad", or why it
 /// is not usable.
 std::string verdict_of(const judgement::Pad& pad);
 
 /// Writes the page of fits to one surface: the region and the quadric of each point.
-/// @param mesh  its file, as typed
 /// @param points  without their lines for cases, which are added
-void write_fits_page(const std::string& file, const std::string& mesh, const std::string& unit,
+void write_fits_page(const std::string& file, const input::NamedMesh& mesh,
                      const TriangleSurface& surface, std::vector<report::MeshPoint> points,
                      const std::string& command_line);
 

@@ -107,9 +107,10 @@ void write_page(const PredictOptions& options, const input::Case& contact_case,
     point.doubt = geometry.patch->remark;
     points.push_back(point);
   }
-  write_fits_page(options.page, typed_name(mesh.path),
-                  input::unit_name(*resolver.placed(mesh).metres_per_unit), resolver.surface(mesh),
-                  points, options.command_line);
+  const input::MeshBody placed = resolver.placed(mesh);
+  write_fits_page(options.page,
+                  {typed_name(mesh.path), mesh.part, *placed.metres_per_unit, placed.is_own_unit},
+                  resolver.surface(mesh), points, options.command_line);
 }
 
 /// Line with the moments about the contact's two tangents, which the limit surface does not cover:

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <system_error>
 
 #include "comparisons/commands/commands.h"
@@ -16,6 +15,7 @@
 #include "comparisons/text/alike_lines.h"
 #include "comparisons/text/number.h"
 #include "comparisons/text/robot_mesh_title.h"
+#include "meshes/io/mesh_formats.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -111,9 +111,7 @@ input::Scene read_robot(const std::string& file, const RobotInput& typed,
   const TemporaryFolder temporary;
   const bool writes = !typed.write_scene.empty();
   // The robot's own meshes and included files are not known here.
-  std::string suffix = fs::path(typed.write_scene).extension().string();
-  for (char& letter : suffix) letter = char(std::tolower(static_cast<unsigned char>(letter)));
-  if (is_robot(typed.write_scene) || suffix == ".stl" || suffix == ".obj")
+  if (is_robot(typed.write_scene) || meshes::mesh_format(typed.write_scene))
     throw InputError("command line", "--write-scene", typed.write_scene,
                      "the name of a scene's file, such as scene.toml");
   const fs::path scene_file = writes ? fs::absolute(typed.write_scene) : fs::path(file);

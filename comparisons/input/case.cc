@@ -13,6 +13,7 @@
 #include "comparisons/input/unusual_values.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/nearest_name.h"
+#include "meshes/io/mesh_formats.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::input {
@@ -52,14 +53,14 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
                   "{ radii_mm = [..] }, { mesh = \"..\", .. } or { sphere_radius_mm = .. }");
   const toml::table& table = *node.as_table();
   reader.check_keys(table, name,
-                    {"radii_mm", "sphere_radius_mm", "mesh", "unit", "point_mm", "near_mm",
+                    {"radii_mm", "sphere_radius_mm", "mesh", "part", "unit", "point_mm", "near_mm",
                      "normal", "along", "core", "shape", "taper_per_mm"});
   const int forms = static_cast<int>(table.contains("radii_mm")) +
                     static_cast<int>(table.contains("sphere_radius_mm")) +
                     static_cast<int>(table.contains("mesh"));
   if (forms != 1) reader.say(node, name + " needs exactly one of radii_mm, sphere_radius_mm, mesh");
   if (!table.contains("mesh"))
-    for (const char* key : {"unit", "point_mm", "near_mm", "normal", "along", "core"})
+    for (const char* key : {"part", "unit", "point_mm", "near_mm", "normal", "along", "core"})
       if (const toml::node* entry = table.get(key))
         reader.say(*entry,
                    fmt::format("{}.{} belongs to a mesh, and {} has none", name, key, name));
@@ -86,10 +87,19 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
   MeshBody mesh;
   const toml::node& file = *table.get("mesh");
   const std::string typed = reader.text(file, name + ".mesh");
-  if (typed.empty()) reader.refuse(file, name + ".mesh", "the path of an STL or OBJ file");
+  const std::string a_path = std::string("the path of a file in ") + meshes::kMeshFormats;
+  if (typed.empty()) reader.refuse(file, name + ".mesh", a_path);
   mesh.path = system::find_mesh_file(typed, folder);
   mesh.typed = typed;
   mesh.where = reader.where(file);
+  const auto part_of = [&](const toml::table& entries, const std::string& field) -> std::string {
+    const toml::node* part = entries.get("part");
+    if (!part) return "";
+    const std::string typed_part = reader.text(*part, field);
+    if (typed_part.empty()) reader.refuse(*part, field, "the name of a part of the mesh's file");
+    return typed_part;
+  };
+  mesh.part = part_of(table, name + ".part");
   if (const toml::node* unit = table.get("unit"))
     mesh.metres_per_unit = reader.choice(*unit, name + ".unit", {"mm", "m"}) == "mm" ? 1e-3 : 1;
   const auto point = [&](const toml::node& entry, const std::string& key) -> Eigen::Vector3d {
@@ -126,12 +136,12 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
   if (const toml::node* entry = table.get("core")) {
     if (name != "finger") reader.say(*entry, "an object has no core: it is rigid");
     if (!entry->is_table()) reader.refuse(*entry, name + ".core", "{ mesh = \"..\" }");
-    reader.check_keys(*entry->as_table(), name + ".core", {"mesh"});
+    reader.check_keys(*entry->as_table(), name + ".core", {"mesh", "part"});
     const toml::node& core = reader.required(*entry->as_table(), name + ".core", "mesh");
     const std::string typed_core = reader.text(core, name + ".core.mesh");
-    if (typed_core.empty())
-      reader.refuse(core, name + ".core.mesh", "the path of an STL or OBJ file");
+    if (typed_core.empty()) reader.refuse(core, name + ".core.mesh", a_path);
     mesh.core = system::find_mesh_file(typed_core, folder);
+    mesh.core_part = part_of(*entry->as_table(), name + ".core.part");
   }
   return mesh;
 }

@@ -37,9 +37,12 @@ struct SphereBody {
 /// A point on a triangulated surface.
 struct MeshBody {
   std::filesystem::path path;
-  std::string typed;                                  ///< the same as the case names it
-  std::string where;                                  ///< "file:line" that names it, for messages
-  std::optional<double> metres_per_unit;              ///< of the file's coordinates; none: guessed
+  std::string typed;      ///< the same as the case names it
+  std::string part = {};  ///< of the file, by its name; empty: all
+  std::string where;      ///< "file:line" that names it, for messages
+  /// Unit of the file's coordinates; none: as the file says it, or guessed.
+  std::optional<double> metres_per_unit;
+  bool is_own_unit = false;                           ///< a placed body's: the file says it
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< not used with `along` and `near_m`
   std::optional<Eigen::Vector3d> normal;              ///< outward, need only be roughly right
   /// Stands in place of point and normal: the point that lies farthest in this direction, of
@@ -50,6 +53,7 @@ struct MeshBody {
   /// Surface of a finger's rigid core, in the same coordinates, for finite elements on the curved
   /// finger; empty: the finger's own surface, offset by the layer's thickness.
   std::filesystem::path core;
+  std::string core_part = {};  ///< as `part`
 };
 
 using CaseBody = std::variant<QuadricBody, SphereBody, MeshBody>;

@@ -72,7 +72,21 @@ bool is_width_doubtful(const meshes::SurfaceFile& file, MeshRole role) {
   return !usual_width(file, role).holds(file.width_m);
 }
 
-std::string unit_remark(const meshes::SurfaceFile& file, MeshRole role, UnitIsTold told) {
+std::string unit_name(double metres_per_unit) {
+  struct Unit {
+    const char* name;
+    double metres;
+  };
+  for (const Unit& unit :
+       {Unit{"mm", 1e-3}, {"m", 1}, {"cm", 1e-2}, {"in", 25.4e-3}, {"ft", 304.8e-3}, {"µm", 1e-6}})
+    if (metres_per_unit == unit.metres) return unit.name;
+  return fmt::format("{} m", metres_per_unit);
+}
+
+namespace {
+
+/// @param file  whose unit does not contradict what was told
+std::string width_remark(const meshes::SurfaceFile& file, MeshRole role, UnitIsTold told) {
   const UsualWidth& usual = usual_width(file, role);
   const std::string unit = unit_name(file.metres_per_unit);
   const bool is_doubtful = is_width_doubtful(file, role);
@@ -89,6 +103,16 @@ std::string unit_remark(const meshes::SurfaceFile& file, MeshRole role, UnitIsTo
          (!other.empty() ? other
                          : fmt::format("; is it the whole of {}, and in that unit?",
                                        is_finger ? "a finger" : "it"));
+}
+
+}  // namespace
+
+std::string unit_remark(const meshes::SurfaceFile& file, MeshRole role, UnitIsTold told) {
+  const std::string width = width_remark(file, role, told);
+  if (!file.own_metres_per_unit || *file.own_metres_per_unit == file.metres_per_unit) return width;
+  return fmt::format(
+      "the file says that its unit is {}; {} counts{}{}", unit_name(*file.own_metres_per_unit),
+      typed_unit(unit_name(file.metres_per_unit), told), width.empty() ? "" : "; ", width);
 }
 
 void require_finger_size(const meshes::SurfaceFile& file, const std::string& where,

@@ -4,8 +4,8 @@
 
 #include "meshes/io/read_surface.h"
 
-/// Remarks about the unit of a mesh, which its file does not hold. A wrong unit scales all lengths
-/// alike, so that nothing else shows it.
+/// Remarks about the unit of a mesh, which files in STL, OBJ and PLY do not hold. A wrong unit
+/// scales all lengths alike, so that nothing else shows it.
 namespace softfinger::input {
 
 /// A finger has a usual width, 5 to 40 mm; of other bodies less is known.
@@ -19,7 +19,8 @@ enum class UnitIsTold { in_a_file, on_the_command_line };
 
 /// "0.048 mm or 48 mm wide: taken as m" where the unit was guessed and this is not plain, and a
 /// doubt where the surface is too wide or too narrow: of a guessed unit for a finger, of a typed
-/// one for anything that a hand can hold. Empty where there is nothing to say.
+/// one for anything that a hand can hold. A typed unit that is not the file's own counts, and this
+/// is said. Empty where there is nothing to say.
 std::string unit_remark(const meshes::SurfaceFile& file, MeshRole role, UnitIsTold told);
 
 /// Whether the width is unusual, so that the unit may be wrong.
@@ -30,7 +31,7 @@ bool is_width_doubtful(const meshes::SurfaceFile& file, MeshRole role);
 void require_finger_size(const meshes::SurfaceFile& file, const std::string& where,
                          UnitIsTold told);
 
-/// "mm" or "m"
-inline const char* unit_name(double metres_per_unit) { return metres_per_unit == 1 ? "m" : "mm"; }
+/// "mm" or "m"; for files that say another unit themselves also "cm", "in" and so on, or "0.05 m".
+std::string unit_name(double metres_per_unit);
 
 }  // namespace softfinger::input

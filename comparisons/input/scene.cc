@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "comparisons/input/mesh_file.h"
 #include "comparisons/input/mesh_unit.h"
 #include "comparisons/input/toml_reader.h"
 #include "comparisons/input/unusual_values.h"
@@ -262,7 +263,7 @@ Shape SceneReader::read_shape(const toml::node& node, MeshRole role) const {
                                           "half_space",
                                           "mesh"};
   std::vector<std::string> known = kinds;
-  known.insert(known.end(), {"position_mm", "rotation_deg", "unit"});
+  known.insert(known.end(), {"position_mm", "rotation_deg", "unit", "part"});
   reader_.check_keys(table, "shape", known);
   std::vector<std::string> found;
   for (const std::string& kind : kinds)
@@ -272,7 +273,9 @@ Shape SceneReader::read_shape(const toml::node& node, MeshRole role) const {
   const toml::node& value = *table.get(kind);
   Shape shape;
   shape.pose = pose(table);
-  if (table.contains("unit") && kind != "mesh") reader_.say(table, "unit belongs to a mesh");
+  for (const char* key : {"unit", "part"})
+    if (table.contains(key) && kind != "mesh")
+      reader_.say(table, std::string(key) + " belongs to a mesh");
   const auto positive_numbers = [&](std::size_t count) {
     const std::string allowed = fmt::format("{} numbers > 0, in mm", count);
     auto numbers = reader_.numbers(value, kind, count, allowed);
@@ -302,12 +305,15 @@ Shape SceneReader::read_shape(const toml::node& node, MeshRole role) const {
     shape.kind = HalfSpace{};
   } else {
     const std::string typed = reader_.text(value, "mesh");
-    const toml::node* unit = table.get("unit");
+    const toml::node *unit = table.get("unit"), *part = table.get("part");
     std::optional<double> metres_per_unit;
     if (unit) metres_per_unit = reader_.choice(*unit, "unit", {"mm", "m"}) == "m" ? 1 : 1e-3;
     try {
       const std::string path = system::find_mesh_file(typed, folder_).string();
-      const meshes::SurfaceFile file = meshes::read_surface(path, metres_per_unit);
+      const std::string typed_part = part ? reader_.text(*part, "part") : "";
+      if (part && typed_part.empty())
+        reader_.refuse(*part, "part", "the name of a part of the mesh's file");
+      const meshes::SurfaceFile file = read_mesh_file(path, typed_part, metres_per_unit);
       if (role == MeshRole::finger) require_finger_size(file, path, UnitIsTold::in_a_file);
       shape.kind = Mesh{std::make_shared<TriangleSurface>(file.surface)};
       for (const std::string& text :

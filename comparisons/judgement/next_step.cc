@@ -9,14 +9,13 @@
 #include <optional>
 #include <vector>
 
-#include "comparisons/input/mesh_unit.h"
+#include "comparisons/input/mesh_file.h"
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/reason.h"
 #include "comparisons/prediction/flat_faces.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/percent.h"
-#include "comparisons/text/toml_text.h"
 #include "softfinger/accuracy/default_model.h"
 
 namespace softfinger::judgement {
@@ -101,10 +100,10 @@ const input::MeshBody* mesh_of(const input::Case& contact_case, const char** nam
   return std::get_if<input::MeshBody>(&pair->object);
 }
 
-std::string body_line(const char* name, const input::MeshBody& mesh, double metres_per_unit,
-                      const Vector3d& point_m) {
-  return fmt::format("{} = {{ mesh = {}, unit = \"{}\", near_mm = {} }}", name,
-                     text::toml_text(mesh.typed), input::unit_name(metres_per_unit),
+/// @param mesh  a placed one, whose unit is known
+std::string body_line(const char* name, const input::MeshBody& mesh, const Vector3d& point_m) {
+  const input::NamedMesh named{mesh.typed, mesh.part, *mesh.metres_per_unit, mesh.is_own_unit};
+  return fmt::format("{} = {{ {}, near_mm = {} }}", name, named.entries(),
                      prediction::in_millimetres(point_m));
 }
 
@@ -137,7 +136,7 @@ std::string nearest_point(const input::Case& contact_case, const GeometryResolve
     if (const auto usable = usable_model(tried, elsewhere, load_N, demand))
       return fmt::format("press {:.2g} mm away, at the nearest point that is usable ({}): {}",
                          1e3 * (point - centre).norm(), bound_text(*usable),
-                         body_line(name, *mesh, *there.metres_per_unit, point));
+                         body_line(name, there, point));
   }
   return "";
 }

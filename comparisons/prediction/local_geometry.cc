@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "comparisons/input/mesh_file.h"
 #include "comparisons/input/mesh_unit.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "meshes/io/read_surface.h"
@@ -18,7 +19,7 @@ namespace softfinger::prediction {
 namespace {
 
 std::string surface_key(const input::MeshBody& mesh) {
-  return fmt::format("{} {}", mesh.path.string(), mesh.metres_per_unit.value_or(0));
+  return fmt::format("{} {} {}", mesh.path.string(), mesh.metres_per_unit.value_or(0), mesh.part);
 }
 
 /// The model that predicts how large a contact is: one and the same as far as it has answers, so
@@ -111,14 +112,14 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
     std::error_code ignored;
     if (!std::filesystem::exists(mesh->path, ignored))
       throw InputError(mesh->where, "mesh", mesh->path.string(),
-                       "an STL or OBJ file in the case file's folder, or a built-in mesh; this one "
-                       "does not exist");
-    auto file = meshes::read_surface(mesh->path.string(), mesh->metres_per_unit);
+                       std::string("a file in the case file's folder, in ") + meshes::kMeshFormats +
+                           ", or a built-in mesh; this one does not exist");
+    auto file = input::read_mesh_file(mesh->path, mesh->part, mesh->metres_per_unit);
     const bool is_finger = body == &pair->finger;
     std::vector<Eigen::Vector3d> touched_m;
     for (const input::CaseBody* other : {&pair->finger, &pair->object})
       if (const auto* also = std::get_if<input::MeshBody>(other);
-          also && also->path == mesh->path && !also->along)
+          also && also->path == mesh->path && also->part == mesh->part && !also->along)
         touched_m.push_back(also->near_m ? *also->near_m : also->point_m);
     keep_outer_skin(file, touched_m);
     if (is_finger) input::require_finger_size(file, mesh->where, input::UnitIsTold::in_a_file);
@@ -127,8 +128,8 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case, const Geomet
           input::unit_remark(file, is_finger ? input::MeshRole::finger : input::MeshRole::object,
                              input::UnitIsTold::in_a_file)})
       if (!text.empty()) remarks_.push_back(mesh->path.string() + ": " + text);
-    keep(*mesh,
-         {std::make_shared<const TriangleSurface>(std::move(file.surface)), file.metres_per_unit});
+    keep(*mesh, {std::make_shared<const TriangleSurface>(std::move(file.surface)),
+                 file.metres_per_unit, file.own_metres_per_unit == file.metres_per_unit});
   }
 }
 
@@ -139,7 +140,8 @@ GeometryResolver::GeometryResolver(const input::Case& contact_case,
   if (!pair) return;
   for (const input::CaseBody* body : {&pair->finger, &pair->object})
     if (const auto* known = std::get_if<input::MeshBody>(body))
-      surfaces_.emplace(surface_key(*known), Surface{mesh, known->metres_per_unit.value_or(1e-3)});
+      surfaces_.emplace(surface_key(*known),
+                        Surface{mesh, known->metres_per_unit.value_or(1e-3), false});
 }
 
 const TriangleSurface& GeometryResolver::surface(const input::MeshBody& mesh) const {
@@ -148,7 +150,9 @@ const TriangleSurface& GeometryResolver::surface(const input::MeshBody& mesh) co
 
 input::MeshBody GeometryResolver::placed(const input::MeshBody& mesh) const {
   input::MeshBody body = mesh;
-  body.metres_per_unit = surfaces_.at(surface_key(mesh)).metres_per_unit;
+  const Surface& surface_there = surfaces_.at(surface_key(mesh));
+  body.metres_per_unit = surface_there.metres_per_unit;
+  body.is_own_unit = surface_there.is_own_unit;
   if (mesh.along) {
     body.point_m = extreme_point_m(surface(mesh), *mesh.along);
     body.normal = *mesh.along;

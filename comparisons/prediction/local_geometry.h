@@ -87,8 +87,9 @@ class GeometryResolver {
   struct Surface {
     std::shared_ptr<const TriangleSurface> surface;
     double metres_per_unit = 1e-3;
+    bool is_own_unit = false;
   };
-  std::map<std::string, Surface> surfaces_;  ///< by path and typed unit
+  std::map<std::string, Surface> surfaces_;  ///< by path, typed unit and part
   std::vector<std::string> remarks_;
   mutable std::optional<ContactSurface> contact_surface_;  ///< of meshes, for all loads
 };

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "comparisons/input/layer_json.h"
+#include "comparisons/input/mesh_file.h"
 #include "comparisons/text/json_text.h"
 #include "meshes/io/input_files.h"
 #include "softfinger/input/errors.h"
@@ -17,6 +18,20 @@ using nlohmann::json;
 json list(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 json or_null(const std::optional<double>& value) { return value ? json(*value) : json(); }
+
+/// A hash of a mesh's bytes, as a process reads them.
+std::string content_of(const std::filesystem::path& path, const std::string& part) {
+  return meshes::content_hash(input::plain_mesh_file(path, part).string());
+}
+
+/// A core has the finger's unit, unless its own file says another and nobody told one.
+double core_metres_per_unit(const PlacedMesh& mesh) {
+  const std::filesystem::path& core = mesh.mesh.core;
+  if (mesh.mesh.metres_per_unit || !meshes::is_converted_mesh(core.string()))
+    return mesh.metres_per_unit;
+  return input::converted_mesh(core, mesh.mesh.core_part)
+      .metres_per_unit.value_or(mesh.metres_per_unit);
+}
 
 json body_json(const PlacedBody& placed) {
   if (const auto* quadric = std::get_if<input::QuadricBody>(&placed.body)) {
@@ -33,7 +48,7 @@ json body_json(const PlacedBody& placed) {
   const auto& mesh = std::get<PlacedMesh>(placed.body);
   json object = {{"shape", "mesh"},
                  {"mesh", std::filesystem::absolute(mesh.mesh.path).string()},
-                 {"content", meshes::content_hash(mesh.mesh.path.string())},
+                 {"content", content_of(mesh.mesh.path, mesh.mesh.part)},
                  {"metres_per_unit", mesh.metres_per_unit},
                  {"point_m", list(mesh.mesh.point_m)},
                  {"outward_normal", list(mesh.outward_normal)},
@@ -41,11 +56,26 @@ json body_json(const PlacedBody& placed) {
                  {"radii_m", {or_null(mesh.radius_x_m), or_null(mesh.radius_y_m)}},
                  {"turn_rad", placed.turn_rad}};
   if (mesh.region_excess > 0) object["region_excess"] = mesh.region_excess;
-  if (!mesh.mesh.core.empty())
+  if (!mesh.mesh.part.empty()) object["part"] = mesh.mesh.part;
+  if (!mesh.mesh.core.empty()) {
     object["core"] = {{"mesh", std::filesystem::absolute(mesh.mesh.core).string()},
-                      {"content", meshes::content_hash(mesh.mesh.core.string())},
-                      {"metres_per_unit", mesh.metres_per_unit}};
+                      {"content", content_of(mesh.mesh.core, mesh.mesh.core_part)},
+                      {"metres_per_unit", core_metres_per_unit(mesh)}};
+    if (!mesh.mesh.core_part.empty()) object["core"]["part"] = mesh.mesh.core_part;
+  }
   return object;
+}
+
+/// Names the files that a process reads in place of those that only this one understands.
+void add_read_from(const PlacedBody& placed, json& object) {
+  const auto* mesh = std::get_if<PlacedMesh>(&placed.body);
+  if (!mesh) return;
+  const auto add = [](const std::filesystem::path& path, const std::string& part, json& entry) {
+    if (meshes::is_converted_mesh(path.string()))
+      entry["read_from"] = input::plain_mesh_file(path, part).string();
+  };
+  add(mesh->mesh.path, mesh->mesh.part, object);
+  if (!mesh->mesh.core.empty()) add(mesh->mesh.core, mesh->mesh.core_part, object["core"]);
 }
 
 void add_material(const input::FiniteStrain& material, json& layer) {
@@ -157,6 +187,14 @@ json to_json(const FemProblem& problem) {
     object["compliance_file"] = problem.compliance_file.string();
   if (!problem.output_directory.empty())
     object["output_directory"] = problem.output_directory.string();
+  return object;
+}
+
+json process_input(const FemProblem& problem) {
+  json object = to_json(problem);
+  if (!problem.bodies) return object;
+  add_read_from(problem.bodies->pad, object["fingertip"]["pad"]);
+  add_read_from(problem.bodies->object, object["fingertip"]["object"]);
   return object;
 }
 

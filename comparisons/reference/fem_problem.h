@@ -73,6 +73,10 @@ struct FemProblem {
 /// The problem as the program reads it (fem/README.md). Equal problems give equal objects.
 nlohmann::json to_json(const FemProblem& problem);
 
+/// The problem as a process gets it: with `read_from`, the file to read, for each mesh in a format
+/// that softfinger-fem does not read itself. Such a file is only there while this process lives.
+nlohmann::json process_input(const FemProblem& problem);
+
 /// The problem of one load of a case.
 /// @throws InputError where finite elements cannot solve the case
 FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalGeometry& geometry,

@@ -81,7 +81,7 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
       if (answered[batch] == problems.size()) continue;
       nlohmann::json left = nlohmann::json::array();
       for (std::size_t i = answered[batch]; i < problems.size(); ++i) {
-        left.push_back(to_json(problems[i]));
+        left.push_back(process_input(problems[i]));
         if (const auto hint = size_hint_m(problems[i])) left.back()["size_hint_m"] = *hint;
       }
       system::ProcessJob job;

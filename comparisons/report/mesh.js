@@ -145,11 +145,12 @@ function start(renderer) {
       ? `Radii ${radii}, residual ${(1e3 * fit.residual_rms_m).toPrecision(2)}\u00a0mm${chosen.source.doubt ? `; ${chosen.source.doubt}` : ""}.`
       : chosen.source?.doubt ?? "";
     element("lines").textContent = chosen.source?.toml ??
-      `finger = { mesh = ${data.mesh_toml}, unit = "${data.unit}", point_mm = [${listed(place, 1, 4)}], normal = [${listed(normal, 1, 5)}] }`;
-    const factor = data.unit === "m" ? 1e-3 : 1, digits = data.unit === "m" ? 7 : 4;
+      `finger = { ${data.mesh_entries}, point_mm = [${listed(place, 1, 4)}], normal = [${listed(normal, 1, 5)}] }`;
+    const factor = 1e-3 / data.metres_per_unit;
+    const digits = Math.max(0, Math.ceil(4 - Math.log10(factor) - 1e-9));
     const quoted = /^[\w./-]+$/.test(data.mesh) ? data.mesh : `'${data.mesh.replaceAll("'", "'\\''")}'`;
     element("command").textContent =
-      `softfinger fit ${quoted} --unit ${data.unit} --point ${listed(place, factor, digits).replaceAll(" ", "")} --normal ${listed(normal, 1, 5).replaceAll(" ", "")} --radius-mm ${radius.toPrecision(3)}`;
+      `softfinger fit ${[quoted, data.mesh_options].filter((word) => word !== "").join(" ")} --point ${listed(place, factor, digits).replaceAll(" ", "")} --normal ${listed(normal, 1, 5).replaceAll(" ", "")} --radius-mm ${radius.toPrecision(3)}`;
     page.dataset.line = element("lines").textContent;
     draw();
   }

@@ -111,8 +111,9 @@ std::string mesh_page(const TriangleSurface& surface, const MeshPage& content) {
                       {embedded::report_css, embedded::mesh_css},
                       body,
                       {{"mesh", content.mesh},
-                       {"mesh_toml", content.mesh_toml},
-                       {"unit", content.unit},
+                       {"mesh_entries", content.mesh_entries},
+                       {"mesh_options", content.mesh_options},
+                       {"metres_per_unit", content.metres_per_unit},
                        {"surface", surface_json(split_at_edges(coarsened(surface, kMostDrawn)))},
                        {"points", points}},
                       {embedded::mesh_js}});

@@ -21,10 +21,11 @@ struct MeshPoint {
 };
 
 struct MeshPage {
-  std::string mesh;       ///< as typed
-  std::string mesh_toml;  ///< the same as a value of TOML
-  std::string unit;       ///< "mm" or "m"
-  std::string facts;      ///< size, triangles, closed or not: a sentence or two
+  std::string mesh;          ///< as typed
+  std::string mesh_entries;  ///< of a case's body: mesh = "tip.stl", unit = "mm"
+  std::string mesh_options;  ///< of a command: --unit mm
+  double metres_per_unit = 1e-3;
+  std::string facts;  ///< size, triangles, closed or not: a sentence or two
   std::vector<std::string> doubts;
   std::vector<MeshPoint> points;
   std::string version, command;

@@ -3,6 +3,13 @@
 // Writes a robot's file as a scene to standard output, and what is not as in the file to standard
 // error, a line each. `softfinger simulate` runs it: a program of its own, so that `softfinger`
 // does not load MuJoCo, and so that a file at which MuJoCo gives up ends nothing else.
+//
+// softfinger-robot --mesh FILE [PART]
+// Writes a mesh in another format than STL and OBJ to standard output: the line "metres_per_unit
+// 0.001", or without a number where the file does not say its unit; then a binary STL in that unit.
+// Every command of `softfinger` that reads a mesh runs it.
+#include <fmt/format.h>
+
 #include <cctype>
 #include <cstdio>
 #include <cstdlib>
@@ -10,10 +17,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <new>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "comparisons/robots/foreign_mesh.h"
 #include "comparisons/robots/imported_scene.h"
 #include "meshes/io/output_file.h"
 #include "softfinger/input/errors.h"
@@ -125,18 +134,40 @@ ImportedScene import(const Words& words) {
 #endif
 }
 
+int write_out(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stdout);
+  return std::fflush(stdout) == 0 ? 0 : kBadInput;
+}
+
+int write_mesh(const std::string& file, const std::string& part) {
+  try {
+    const softfinger::meshes::ConvertedMesh mesh = softfinger::robots::convert_mesh(file, part);
+    if (!mesh.note.empty()) say(mesh.note);
+    const std::string unit = mesh.metres_per_unit ? fmt::format(" {}", *mesh.metres_per_unit) : "";
+    return write_out("metres_per_unit" + unit + "\n" + mesh.stl);
+  } catch (const std::bad_alloc&) {
+    say(file + ": it needs more memory than there is");
+  } catch (const std::exception& error) {
+    say(error.what());
+  }
+  return kBadInput;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   softfinger::meshes::open_standard_descriptors();
   const std::vector<std::string> typed(argv + 1, argv + argc);
+  if ((typed.size() == 2 || typed.size() == 3) && typed[0] == "--mesh")
+    return write_mesh(typed[1], typed.size() == 3 ? typed[2] : "");
   std::size_t next = 3;
   Words words;
   for (; next + 1 < typed.size() && typed[next] == "--package-path"; next += 2)
     words.package_paths.push_back(typed[next + 1]);
   if (typed.size() < 3 || (typed.size() - next) % 4 != 0) {
     say("softfinger-robot FILE MESHES ID [--package-path DIR]... "
-        "[BODY THICKNESS_MM YOUNGS_MODULUS_kPa POISSON_RATIO]...");
+        "[BODY THICKNESS_MM YOUNGS_MODULUS_kPa POISSON_RATIO]...; or softfinger-robot --mesh FILE "
+        "[PART]");
     return kBadInput;
   }
   words.file = typed[0];
@@ -148,8 +179,7 @@ int main(int argc, char** argv) {
           {typed[i], std::stod(typed[i + 1]), std::stod(typed[i + 2]), std::stod(typed[i + 3])});
     const ImportedScene scene = import(words);
     for (const std::string& line : scene.notes) say(line);
-    std::fwrite(scene.text.data(), 1, scene.text.size(), stdout);
-    return std::fflush(stdout) == 0 ? 0 : kBadInput;
+    return write_out(scene.text);
   } catch (const std::exception& error) {
     say(error.what());
     return kBadInput;

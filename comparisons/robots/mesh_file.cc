@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstdint>
 #include <ostream>
 
@@ -17,20 +16,25 @@ namespace softfinger::robots {
 
 using Eigen::Vector3d;
 
-bool is_known_mesh(const std::string& name) {
-  std::string suffix = std::filesystem::path(name).extension().string();
-  for (char& letter : suffix) letter = char(std::tolower(static_cast<unsigned char>(letter)));
-  return suffix == ".stl" || suffix == ".obj";
-}
+bool is_known_mesh(const std::string& name) { return meshes::mesh_format(name) != nullptr; }
 
-TriangleSurface read_mesh(const std::filesystem::path& file, const Vector3d& scale) {
+TriangleSurface read_mesh(const std::filesystem::path& file, const Vector3d& scale,
+                          const MeshConverter& convert) {
   const double largest = scale.cwiseAbs().maxCoeff();
   if (!(scale.cwiseAbs().minCoeff() > 0) || !scale.allFinite())
     throw InputError(file.string(), "scale", list(scale), "three numbers that are not 0");
   if (!is_known_mesh(file.filename().string()))
     throw InputError(file.string(), "format", in_quotes(file.extension().string()),
-                     "STL or OBJ: convert the file, and name the other one");
-  TriangleSurface surface = meshes::read_surface(file.string(), largest).surface;
+                     std::string(meshes::kMeshFormats) + ": convert the file, and name that one");
+  TriangleSurface surface;
+  if (meshes::is_converted_mesh(file.string())) {
+    const meshes::ConvertedMesh mesh = convert(file.string());
+    surface = meshes::parse_converted_surface(mesh, file.string(),
+                                              largest * mesh.metres_per_unit.value_or(1))
+                  .surface;
+  } else {
+    surface = meshes::read_surface(file.string(), largest).surface;
+  }
   const Vector3d rest = scale / largest;
   for (Vector3d& vertex : surface.vertices_m) vertex = vertex.cwiseProduct(rest).eval();
   // A mirror turns the triangles round.
@@ -61,7 +65,8 @@ const MeshFolder::Written& MeshFolder::add(const std::filesystem::path& file,
   const std::string key = file.string() + list(scale);
   const auto found = written_.find(key);
   if (found != written_.end()) return found->second;
-  Written written{fmt::format("{}_mesh_{}.stl", id_, written_.size()), read_mesh(file, scale)};
+  Written written{fmt::format("{}_mesh_{}.stl", id_, written_.size()),
+                  read_mesh(file, scale, convert_)};
   const std::string stl = robot_stl(written.surface);
   meshes::write_whole_file((folder_ / written.name).string(),
                            [&](std::ostream& out) { out << stl; });

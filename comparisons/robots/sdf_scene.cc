@@ -9,6 +9,7 @@
 #include <sdf/sdf.hh>
 #include <set>
 
+#include "meshes/io/mesh_formats.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -432,8 +433,10 @@ class Importer {
              "a mesh file beside the SDF file, not " + mesh.Uri().substr(0, kLongestName));
     if (mesh.Scale() != ignition::math::Vector3d::One)
       refuse("collision " + in_quotes(collision), "a mesh without scale");
-    return fmt::format("mesh = {}, unit = \"m\"",
-                       in_quotes(std::filesystem::absolute(path).string()));
+    // A file that says its unit is in that one.
+    const meshes::MeshFormat* format = meshes::mesh_format(path.string());
+    return fmt::format("mesh = {}{}", in_quotes(std::filesystem::absolute(path).string()),
+                       format && format->has_unit ? "" : ", unit = \"m\"");
   }
 
   /// Adds the contact rules; the smaller friction of two surfaces counts.

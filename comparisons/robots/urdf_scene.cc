@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 
+#include "comparisons/robots/foreign_mesh.h"
 #include "comparisons/robots/mesh_file.h"
 #include "comparisons/robots/package_paths.h"
 #include "comparisons/robots/urdf_file.h"
@@ -89,7 +90,7 @@ class UrdfImporter {
         id_(std::move(id)),
         layers_(layers),
         paths_(file, package_paths),
-        meshes_(meshes, id_) {}
+        meshes_(meshes, id_, [](const std::string& mesh) { return convert_mesh(mesh, ""); }) {}
 
   ImportedScene run() {
     urdf_ = read_urdf(file_);
@@ -217,13 +218,22 @@ class UrdfImporter {
       const auto& visual = link.visual_array[i];
       if (!visual || !visual->geometry) continue;
       const auto* mesh = dynamic_cast<const urdf::Mesh*>(visual->geometry.get());
+      const auto note_unread = [&, link_name = link.name](const std::string& why) {
+        note("link {} has no collision, and its visual mesh {} is not read{}: it touches nothing",
+             in_quotes(link_name), in_quotes(mesh->filename), why);
+      };
       if (mesh && !is_known_mesh(mesh->filename)) {
-        note("link {} has no collision, and its visual mesh {} is not read: it touches nothing",
-             in_quotes(link.name), in_quotes(mesh->filename));
+        note_unread("");
         continue;
       }
-      add_shape(link, *visual->geometry, pose(visual->origin),
-                urdf_.capsules.count({link.name, UrdfFile::kVisual + int(i)}) > 0, parts);
+      try {
+        add_shape(link, *visual->geometry, pose(visual->origin),
+                  urdf_.capsules.count({link.name, UrdfFile::kVisual + int(i)}) > 0, parts);
+      } catch (const InputError& error) {
+        // A picture need not be a surface: a robot is worth simulating without it.
+        if (!mesh || !meshes::is_converted_mesh(mesh->filename)) throw;
+        note_unread(fmt::format(" ({})", error.what()));
+      }
     }
     if (!parts.shapes.empty())
       note("link {} has no collision: its visual shapes stand in", in_quotes(link.name));

@@ -69,6 +69,7 @@ class SignalWatch {
  public:
   SignalWatch() {
     fcntl(pipe_.write_end.get(), F_SETFL, O_NONBLOCK);
+    outer_pipe_ = g_signal_pipe;
     g_signal_pipe = pipe_.write_end.get();
     struct sigaction action = {};
     action.sa_handler = remember_signal;
@@ -79,7 +80,7 @@ class SignalWatch {
   ~SignalWatch() {
     sigaction(SIGINT, &old_interrupt_, nullptr);
     sigaction(SIGTERM, &old_terminate_, nullptr);
-    g_signal_pipe = -1;
+    g_signal_pipe = outer_pipe_;
   }
   int descriptor() const { return pipe_.read_end.get(); }
   int take() const {
@@ -89,6 +90,7 @@ class SignalWatch {
 
  private:
   Pipe pipe_;
+  int outer_pipe_ = -1;  ///< of processes among which these run, such as a mesh's reader
   struct sigaction old_interrupt_ = {}, old_terminate_ = {};
 };
 

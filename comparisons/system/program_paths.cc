@@ -38,11 +38,13 @@ fs::path robot_program() {
   const fs::path program = program_folder() / "softfinger-robot";
   std::error_code error;
   if (!fs::is_regular_file(program, error) || access(program.c_str(), X_OK) != 0)
-    throw InputError(program.string(),
-                     "the program that reads robots' files does not exist; install the package "
-                     "softfinger-robot, or build where MuJoCo, urdfdom or libsdformat are "
-                     "(Debian: libmujoco-dev, liburdfdom-dev, libsdformat-dev)",
-                     "", "");
+    throw InputError(
+        program.string(),
+        "the program that reads robots' files, and meshes other than STL and OBJ, does "
+        "not exist; install the package softfinger-robot, or build where MuJoCo, "
+        "urdfdom, libsdformat or Assimp are (Debian: libmujoco-dev, liburdfdom-dev, "
+        "libsdformat-dev, libassimp-dev)",
+        "", "");
   return program;
 }
 

@@ -142,19 +142,25 @@ class Entry {
   std::string key_, problem_;
 };
 
+/// The file to read a mesh from: an STL of it, where it is in a format that is not read here.
+std::string file_of(const Entry& body) {
+  const auto stl = body.find("read_from");
+  return (stl ? *stl : body.at("mesh")).text();
+}
+
 /// Refuses a mesh that has changed since the problem was made: results are kept by the content that
 /// the problem names.
 void check_content(const Entry& body) {
   const auto content = body.find("content");
   if (!content) return;
-  const std::string path = body.at("mesh").text(), read = meshes::content_hash(path);
+  const std::string read = meshes::content_hash(file_of(body));
   if (!read.empty() && content->text() != read)
-    throw InputError(path, "was changed while the command ran", "", "run the command again");
+    throw InputError(body.at("mesh").text(), "was changed while the command ran", "",
+                     "run the command again");
 }
 
 TriangleSurface read_mesh(const Entry& body, const MeshReaders& readers) {
-  TriangleSurface surface =
-      readers.surface(body.at("mesh").text(), body.at("metres_per_unit").positive());
+  TriangleSurface surface = readers.surface(file_of(body), body.at("metres_per_unit").positive());
   check_content(body);
   return surface;
 }

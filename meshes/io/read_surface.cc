@@ -11,6 +11,7 @@
 #include <sstream>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "meshes/io/orientation.h"
 #include "meshes/io/surface_formats.h"
@@ -172,8 +173,18 @@ SurfaceFile parse_surface(std::string bytes, const std::string& path,
   return result;
 }
 
+SurfaceFile parse_converted_surface(const ConvertedMesh& mesh, const std::string& path,
+                                    std::optional<double> typed_metres_per_unit) {
+  SurfaceFile file = parse_surface(
+      mesh.stl, path, typed_metres_per_unit ? typed_metres_per_unit : mesh.metres_per_unit);
+  file.own_metres_per_unit = mesh.metres_per_unit;
+  file.left_out = mesh.note;
+  return file;
+}
+
 std::string repairs(const SurfaceFile& file) {
   std::vector<std::string> said;
+  if (!file.left_out.empty()) said.push_back(file.left_out);
   if (file.degenerate_triangles > 0 || file.duplicate_triangles > 0)
     said.push_back(std::to_string(file.degenerate_triangles) + " degenerate and " +
                    std::to_string(file.duplicate_triangles) + " duplicate triangles were left out");

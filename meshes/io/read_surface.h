@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "meshes/io/mesh_formats.h"
 #include "softfinger/input/triangle_surface.h"
 
 namespace softfinger::meshes {
@@ -24,10 +25,12 @@ struct SurfaceFile {
   double width_m = 0;
   double metres_per_unit = 1e-3;  ///< of the file's coordinates
   bool is_unit_guessed = false;
-  int degenerate_triangles = 0;  ///< dropped: zero area
-  int duplicate_triangles = 0;   ///< dropped: same three vertices
-  int turned_triangles = 0;      ///< faced the other way than their neighbours, see `orient`
-  bool is_one_sided = false;     ///< there is no outside: not all triangles can agree
+  std::optional<double> own_metres_per_unit;  ///< as the file says it; STL, OBJ and PLY do not
+  std::string left_out;                       ///< of another format: "3 lines were left out"
+  int degenerate_triangles = 0;               ///< dropped: zero area
+  int duplicate_triangles = 0;                ///< dropped: same three vertices
+  int turned_triangles = 0;   ///< faced the other way than their neighbours, see `orient`
+  bool is_one_sided = false;  ///< there is no outside: not all triangles can agree
   /// Left out by whoever wants the outer skin alone: inside of a hollow tip, screws, bones.
   std::size_t hidden_triangles = 0;
   /// Edges of the whole file at which it is open; set where hidden triangles were left out, which
@@ -66,6 +69,11 @@ SurfaceFile read_surface(const std::string& path, std::optional<double> metres_p
 /// ending.
 SurfaceFile parse_surface(std::string bytes, const std::string& path,
                           std::optional<double> metres_per_unit);
+
+/// Reads a file of another format, which has been converted. The unit is the typed one, else the
+/// file's own, else it is guessed.
+SurfaceFile parse_converted_surface(const ConvertedMesh& mesh, const std::string& path,
+                                    std::optional<double> typed_metres_per_unit);
 
 /// Writes a binary STL in millimetres, completely or not at all.
 /// @throws InputError when the folder cannot be written or the disk is full.

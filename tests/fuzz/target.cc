@@ -9,10 +9,10 @@
 namespace softfinger::fuzz {
 
 std::vector<Target> all_targets() {
-  return {case_toml,     scene_toml,   sweep_toml,        surface_stl,
-          surface_obj,   layer_msh,    recorded_contacts, fem_problem,
-          stored_result, error_atlas,  experiment_toml,   measurements,
-          mask_png,      robot_import, robot_xml,         typed_numbers};
+  return {case_toml,       scene_toml,        sweep_toml,   surface_stl,   surface_obj,
+          layer_msh,       recorded_contacts, fem_problem,  stored_result, error_atlas,
+          experiment_toml, measurements,      mask_png,     mesh_3mf,      mesh_assimp,
+          robot_import,    robot_xml,         typed_numbers};
 }
 
 std::vector<std::string> texts_of(const std::string& folder, const std::string& extension) {

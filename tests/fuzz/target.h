@@ -24,7 +24,7 @@ struct Target {
 
 extern const Target case_toml, scene_toml, sweep_toml, surface_stl, surface_obj, layer_msh,
     recorded_contacts, fem_problem, stored_result, error_atlas, experiment_toml, measurements,
-    mask_png, robot_import, robot_xml, typed_numbers;
+    mask_png, mesh_3mf, mesh_assimp, robot_import, robot_xml, typed_numbers;
 
 std::vector<Target> all_targets();
 

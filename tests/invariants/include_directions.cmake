@@ -112,7 +112,8 @@ room(calibration "^toml[+][+]/")
 room(report "^png[.]h$")
 room(suite)
 room(sweep "^toml[+][+]/" "^meshes/io/input_files[.]h$")
-room(robots "^mujoco/" "^sdf/" "^tinyxml2[.]h$" "^urdf_parser/" "^console_bridge/" "^meshes/io/")
+room(robots "^mujoco/" "^sdf/" "^tinyxml2[.]h$" "^urdf_parser/" "^console_bridge/" "^assimp/" "^zlib[.]h$"
+     "^meshes/io/")
 room(commands "^CLI/" "^meshes/")
 room(distributed "^CLI/" "^mpi[.]h$")
 # An engine may include its simulator.

@@ -22,7 +22,7 @@ OPTIONAL_PACKAGES = ("softfinger-robot",)
 LARGEST_PYTHON_PACKAGE_BYTES = 3_000_000
 LARGEST_PAGE_BYTES = 3_000_000
 # What finite elements need, and numbers for many processes.
-HEAVY = re.compile(r"deal\.?ii|gmsh|cholmod|blas|lapack|mpi|trilinos|petsc|vtk", re.IGNORECASE)
+HEAVY = re.compile(r"deal\.?ii|gmsh|cholmod|blas|lapack|mpi|trilinos|petsc|vtk|assimp", re.IGNORECASE)
 
 ROBOT = """<mujoco model="arm"><worldbody><body name="link" pos="0 0 1"><joint axis="0 1 0"/>
 <geom type="capsule" fromto="0 0 0 0.3 0 0" size="0.02" mass="1"/></body></worldbody></mujoco>

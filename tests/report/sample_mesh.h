@@ -14,8 +14,8 @@ inline TriangleSurface sample_surface() {
 inline report::MeshPage sample_mesh_page() {
   report::MeshPage page;
   page.mesh = "tip <1>.stl";
-  page.mesh_toml = "\"tip <1>.stl\"";
-  page.unit = "mm";
+  page.mesh_entries = "mesh = \"tip <1>.stl\", unit = \"mm\"";
+  page.mesh_options = "--unit mm";
   page.facts = "Closed.";
   page.doubts = {"24 mm wide, read in mm?"};
   page.points.resize(2);
