@@ -110,6 +110,9 @@ input::Settings settings_of(const CaseInput& typed) {
         "",
         "a case file, the name of a built-in case (softfinger list cases), \"-\", or "
         "--radii-mm, --thickness-mm, --youngs-modulus-kPa, --poisson-ratio, --load" +
+            std::string(typed.pads == input::FlatPads::taken
+                            ? "; --pad-mm or --pad-diameter-mm for a flat pad"
+                            : "") +
             (typed.command.empty() ? "" : "; see softfinger " + typed.command + " --help"));
   for (const input::Setting& setting : settings_of(typed.settings)) settings.push_back(setting);
   input::require_each_key_once(settings);

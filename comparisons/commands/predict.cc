@@ -154,7 +154,7 @@ std::string block_of(const std::vector<prediction::ModelAnswer>& answers,
   return text + models_text(answers, first, rule, demand);
 }
 
-/// What a pad has no use for is refused, not ignored.
+/// Options that a pad has no use for are refused, not ignored.
 int run_predict_pad(const PredictOptions& options, const prediction::Demand& demand,
                     const input::Case& contact_case) {
   const auto refuse = [](const char* flag, const std::string& value, const char* allowed) {
@@ -354,6 +354,12 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
       "/\n"
       "    largest force, which is mu P under Coulomb's law. The models' pressure is taken as\n"
       "    p ~ (1 - x²/a² - y²/b²)^n with n from their torque\n"
+      "A flat pad: [geometry] finger = { pad_mm = [l, w] or pad_diameter_mm or pad_outline_mm,\n"
+      "    corner_radius_mm, edge_radius_mm }, object = { flat = true } or { face_mm, "
+      "face_diameter_mm or\n"
+      "    face_outline_mm, offset_mm = [x, y], angle_deg }; [contact] pressing = \"stuck\" "
+      "(default) or\n"
+      "    \"frictionless\", load_at_mm = [x, y]; see: explain pad_layer, init --pad\n"
       "A case has at most 1000 loads, 100 sublayers, 1000 measured radii and 16 MiB.\n"
       "Samples:\n"
       "  softfinger predict seed_thumb\n"

@@ -232,8 +232,8 @@ int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
   const double budget_ns = 3e5 / double(models.size() * contact_case.loads_N.size());
   nlohmann::json results = nlohmann::json::array();
   std::string first_lines, blocks, surfaces;
-  std::string evidence =
-      prediction::describe(contact_case) + "\n" + prediction::describe(pair, contact_case.layer) + "\n";
+  std::string evidence = prediction::describe(contact_case) + "\n" +
+                         prediction::describe(pair, contact_case.layer) + "\n";
   for (std::size_t load = 0; load < contact_case.loads_N.size(); ++load) {
     const double load_N = contact_case.loads_N[load];
     std::vector<PadAnswer> answers;

@@ -407,7 +407,7 @@ void require_plain_pad(const TomlReader& reader, const toml::table& root) {
     reader.say(node,
                fmt::format("a flat pad takes no {} yet: one [layer] under a rigid face", what));
   };
-  for (const char* key : {"object_layer", "power_law", "fem"})
+  for (const char* key : {"object_layer", "power_law"})
     if (const toml::node* node = root.get(key))
       refuse(*node, (std::string("[") + key + "]").c_str());
   if (const toml::node* layer = root.get("layer")) {
@@ -416,6 +416,10 @@ void require_plain_pad(const TomlReader& reader, const toml::table& root) {
          {"winkler_modulus", "material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"})
       if (const toml::node* node = layer->as_table()->get(key)) refuse(*node, key);
   }
+  if (const toml::node* fem = root.get("fem"); fem && fem->is_table())
+    for (const char* key : {"geometry", "kinematics", "mesh", "mesh_unit"})
+      if (const toml::node* node = fem->as_table()->get(key))
+        refuse(*node, (std::string("[fem] ") + key).c_str());
   if (const toml::node* law = root["contact"]["shear_law"].node())
     if (reader.text(*law, "shear_law") != "coulomb")
       reader.refuse(*law, "shear_law", "\"coulomb\" for a flat pad");
@@ -426,7 +430,8 @@ void require_plain_pad(const TomlReader& reader, const toml::table& root) {
 void refuse_pad(const Case& contact_case, const std::string& command) {
   if (!std::holds_alternative<PadPair>(contact_case.geometry)) return;
   throw InputError(contact_case.geometry_where,
-                   command + " does not take flat pads yet: softfinger predict does", "", "");
+                   command + " does not take flat pads yet: softfinger predict and export do", "",
+                   "");
 }
 
 void settle_finger_shape(Case& contact_case) {
@@ -469,6 +474,7 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
   if (is_flat_geometry(geometry)) {
     result.geometry = read_pad_pair(reader, geometry, contact);
     require_plain_pad(reader, root);
+    if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
     result.remarks = unusual_values(result);
     return result;
   }

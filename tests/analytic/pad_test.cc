@@ -182,7 +182,7 @@ TEST(PadModel, ReachesTheConfinedModulusOfThinCompressiblePads) {
 }
 
 TEST(PadModel, HalvesAFrictionlessPad) {
-  // Its mirror image is the other half of a stuck pad of twice the thickness.
+  // The mirror image is the other half of a stuck pad of twice the thickness.
   const PadShape shape(ConvexOutline::rounded_rectangle(0.03, 0.02, 0.002));
   const PadPrediction half =
       layer_model().predict(pressed_pad(shape, 0.004, 0.49, PadPressing::frictionless));
@@ -382,6 +382,122 @@ TEST(PadModel, IsWithinItsBoundsOfFiniteElements) {
   }
   std::printf("stiffness within %.2f %%, arm within %.2f %%\n", 100 * worst_stiffness,
               100 * worst_arm);
+}
+
+// Other outlines, by this project's finite elements of whole pads (linear, 5e-4), sides in h.
+TEST(PadModel, IsWithinItsBoundsForLongAndOddOutlines) {
+  const std::vector<Vector2d> triangle = {{0, 0}, {5, 0}, {2, 4}},
+                              trapezoid = {{0, 0}, {6, 0}, {4, 3}, {0, 3}},
+                              sector = {{0, 0},       {4, 0},      {3.7, 1.53},
+                                        {2.83, 2.83}, {1.53, 3.7}, {0, 4}};
+  const auto rectangle = [](double length, double width) -> std::vector<Vector2d> {
+    return {{0, 0}, {length, 0}, {length, width}, {0, width}};
+  };
+  struct Row {
+    std::vector<Vector2d> corners_h;
+    double nu;
+    PadPressing pressing;
+    double stiffness, arm;
+  };
+  constexpr auto kStuck = PadPressing::stuck, kFree = PadPressing::frictionless;
+  const std::vector<Row> rows = {{rectangle(12, 12), 0.4, kStuck, 1.92644, 0.96444},
+                                 {rectangle(12, 12), 0.495, kFree, 5.15707, 0.82162},
+                                 {rectangle(12, 12), 0.495, kStuck, 11.90758, 0.82593},
+                                 {rectangle(20, 4), 0.475, kFree, 2.04290, 0.94113},
+                                 {rectangle(20, 4), 0.495, kStuck, 4.99756, 0.92018},
+                                 {rectangle(6, 1), 0.4, kFree, 1.17797, 0.96525},
+                                 {rectangle(6, 1), 0.495, kFree, 1.32090, 0.94802},
+                                 {rectangle(6, 1), 0.495, kStuck, 1.59001, 0.97128},
+                                 {rectangle(3, 2), 0.475, kStuck, 1.71272, 0.98901},
+                                 {triangle, 0.4, kFree, 1.22818, 0.94847},
+                                 {triangle, 0.49, kFree, 1.42657, 0.92096},
+                                 {triangle, 0.49, kStuck, 2.18747, 0.93772},
+                                 {trapezoid, 0.4, kStuck, 1.54604, 0.97462},
+                                 {trapezoid, 0.49, kFree, 1.56210, 0.91246},
+                                 {sector, 0.49, kFree, 1.48919, 0.91241},
+                                 {sector, 0.49, kStuck, 2.48009, 0.92802}};
+  // Bounds hold 95 % of outlines; the triangle's torque is the one that lies outside.
+  int outside = 0;
+  for (const Row& row : rows) {
+    std::vector<Vector2d> corners_m;
+    for (const Vector2d& corner : row.corners_h) corners_m.push_back(0.002 * corner);
+    const PadShape shape(ConvexOutline::polygon(corners_m));
+    PadProblem problem = pressed_pad(shape, 0.002, row.nu, row.pressing);
+    problem.load.normal_force_N = 1e-3;
+    const auto bound = pad_error_bound(layer_model(), problem);
+    ASSERT_TRUE(bound);
+    const double stiffness = stiffness_ratio(problem) / row.stiffness - 1;
+    const double arm =
+        layer_model().predict(problem).pressure_arm_m / uniform_arm_m(shape.outline()) / row.arm -
+        1;
+    outside += std::abs(stiffness) > bound->indentation;
+    outside += std::abs(arm) > bound->max_torque;
+    EXPECT_LT(std::abs(stiffness), 1.3 * bound->indentation);
+    EXPECT_LT(std::abs(arm), 1.3 * bound->max_torque);
+    std::printf("stiffness %+.1f %%, arm %+.1f %%\n", 100 * stiffness, 100 * arm);
+  }
+  EXPECT_LE(outside, 1);
+}
+
+TEST(PadModel, ShearsAndTwistsAsFiniteElementsDo) {
+  // Round pads sheared between stuck faces that stay parallel, over G A/h: mixed finite elements
+  // with one wave around, whose normal pressing meets the reference's to 2e-4.
+  struct Row {
+    double radius_h, nu, over_block;
+  };
+  for (const Row& row : {Row{0.5, 0.3, 0.63204},
+                         {1, 0.1, 0.79510},
+                         {2, 0.3, 0.91785},
+                         {8, 0.3, 0.98009},
+                         {0.5, 0.49, 0.70009},
+                         {1, 0.49, 0.87037},
+                         {2, 0.49, 0.93873},
+                         {8, 0.49, 0.98525},
+                         {4, 0.4999, 0.97072}}) {
+    const PadShape shape(ConvexOutline::disc(2 * row.radius_h * 0.002));
+    const PadProblem problem = pressed_pad(shape, 0.002, row.nu);
+    const PadPrediction p = layer_model().predict(problem);
+    const double block_N_per_m =
+        problem.layer.shear_modulus_Pa() * shape.outline().area_m2() / 0.002;
+    EXPECT_NEAR(p.tangential_stiffness_N_per_m[0] / block_N_per_m / row.over_block, 1, 0.05)
+        << row.radius_h << " " << row.nu;
+    // A round pad does not warp: G times the polar moment over h. The outline is a polygon.
+    EXPECT_NEAR(p.torsional_stiffness_Nm_per_rad / (problem.layer.shear_modulus_Pa() / 0.002 * kPi /
+                                                    2 * std::pow(row.radius_h * 0.002, 4)),
+                1, 1e-3);
+  }
+}
+
+TEST(PadModel, StatesThePeakWithinItsRim) {
+  // Rows of that reference: the largest pressure of round pads up to 0.95 R, over the mean.
+  struct Row {
+    double radius_h, nu;
+    PadPressing pressing;
+    double peak;
+  };
+  constexpr auto kStuck = PadPressing::stuck, kFree = PadPressing::frictionless;
+  for (const Row& row : {Row{0.5, 0.3, kFree, 1.0075},
+                         {0.5, 0.3, kStuck, 1.2096},
+                         {2, 0.3, kFree, 1.1162},
+                         {2, 0.3, kStuck, 1.0587},
+                         {8, 0.3, kFree, 1.0538},
+                         {8, 0.3, kStuck, 1.0266},
+                         {0.5, 0.49, kFree, 1.0125},
+                         {0.5, 0.49, kStuck, 1.2299},
+                         {2, 0.49, kFree, 1.3960},
+                         {2, 0.49, kStuck, 1.4867},
+                         {8, 0.49, kFree, 1.7271},
+                         {8, 0.49, kStuck, 1.5538}}) {
+    const PadShape shape(ConvexOutline::disc(2 * row.radius_h * 0.002));
+    PadProblem problem = pressed_pad(shape, 0.002, row.nu, row.pressing);
+    problem.load.normal_force_N = 1e-3;
+    const double peak = layer_model().predict(problem).peak_pressure_Pa *
+                        shape.outline().area_m2() / problem.load.normal_force_N;
+    EXPECT_NEAR(peak / row.peak, 1, pad_error_bound(layer_model(), problem)->peak_pressure)
+        << row.radius_h << " " << row.nu;
+    std::printf("R/h %g, nu %g: peak %+.1f %%\n", row.radius_h, row.nu,
+                100 * (peak / row.peak - 1));
+  }
 }
 
 }  // namespace softfinger

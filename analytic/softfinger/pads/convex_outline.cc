@@ -122,11 +122,12 @@ ConvexOutline ConvexOutline::polygon(std::vector<Vector2d> vertices_m) {
     turned += turn;
     (turn > 0 ? left : right) += 1;
   }
-  if (corners.size() < 3 || !(std::abs(twice_area) > 1e-12 * size * size))
-    throw InputError("outline", "area", 0.0, convex);
+  if (corners.size() < 3) throw InputError("outline", "points", "a line without an area", convex);
   if (left > 0 && right > 0)
     throw InputError("outline", "points", "an outline that crosses itself or has a hollow corner",
                      convex);
+  if (!(std::abs(twice_area) > 1e-12 * size * size))
+    throw InputError("outline", "points", "no area", convex);
   if (std::abs(std::abs(turned) - 2 * kPi) > 1e-6)
     throw InputError("outline", "points", "an outline that runs around more than once", convex);
   if (twice_area < 0) std::reverse(corners.begin(), corners.end());

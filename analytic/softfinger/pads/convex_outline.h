@@ -41,7 +41,7 @@ class ConvexOutline {
   bool contains(const Eigen::Vector2d& point_m) const noexcept;
   /// Turned about the origin, counter-clockwise, then shifted.
   ConvexOutline moved(double angle_rad, const Eigen::Vector2d& shift_m) const;
-  /// What lies in both; null where they have no area in common.
+  /// The overlap of both; null where they have no area in common.
   std::optional<ConvexOutline> common_with(const ConvexOutline& other) const;
   /// The outline that lies everywhere `distance_m` further inside; null where nothing is left.
   std::optional<ConvexOutline> shrunk(double distance_m) const;

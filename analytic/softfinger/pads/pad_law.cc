@@ -1,5 +1,6 @@
 #include "softfinger/pads/pad_law.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "softfinger/input/constants.h"
@@ -7,25 +8,27 @@
 namespace softfinger::pads {
 namespace {
 
-/// C = nu² (c0 + c1 nu) s/(1 + (s/s1)²), G = 1/(1 + g1/s + g2/s²), s the radius of the disc of the
-/// same area over H. A thick pad is stiffened by its two end zones, whose height goes with its
-/// width (C); the layer's equation counts from a thickness on that leaves it room (G).
+/// C = nu² (c0 + c1 nu²) s/(1 + (s/s1)²), G = 1/(1 + g1/t + g2 (1 + g3 (1 - 2 nu))/t²). Here r/H is
+/// the radius of the disc of the same area over H, a the outline's size over r (1 for a disc, less
+/// for a long outline), s = (r/H) a^x and t = (r/H) a^y. A thick pad is stiffened by its two end
+/// zones, whose height goes with its width (C); it bulges more freely than the layer's equation
+/// says (G).
 struct PadCorrection {
-  double c0, c1, s1, g1, g2_at_0, g2_by_nu;
+  double c0, c1, s1, g1, g2, g3, x, y;
 };
 
-constexpr PadCorrection kPressing = {-2.2176, 7.6236, 3.3193, 0.50892, -1.7921, 5.9736};
-constexpr PadCorrection kTilting = {0.97847, 0.17415, 1.72945, 0.21572, 17.3749, -34.7682};
+constexpr PadCorrection kPressing = {1.103,   1.4797, 2.0941,   0.15768,
+                                     0.65739, 28.169, -0.89642, -0.23497};
+constexpr PadCorrection kTilting = {0.80086, 1.3931, 3.0925,   0.12903,
+                                    1.622,   29.992, -0.53037, 0.30823};
 
-/// c = nu² (r0 + r1 nu + r2 nu²), and the rim's width H/w.
+/// c = a^z nu² (r0 + r1 nu + r2 nu² + r6 nu^6), and the rim's width H/w.
 struct RimCorrection {
-  double r0, r1, r2, w;
+  double r0, r1, r2, r6, w, z;
 };
 
-constexpr RimCorrection kStuckRim = {14.7193, -24.3177, 5.71765, 10.4987};
-constexpr RimCorrection kFrictionlessRim = {-29.0417, 158.772, -233.964, 2.15274};
-
-double larger(double x, double least) noexcept { return x > least ? x : least; }
+constexpr RimCorrection kStuckRim = {31.897, -159.81, 244.96, -536.02, 8.8673, 2.563};
+constexpr RimCorrection kFrictionlessRim = {-4.3229, 1.5463, 2.5271, -130.35, 3.0771, -1.3323};
 
 template <class T>
 struct UniformAndLayer {
@@ -33,11 +36,12 @@ struct UniformAndLayer {
 };
 
 template <class T>
-UniformAndLayer<T> corrected(const PadCorrection& fit, const T& nu, const T& s) noexcept {
-  const T part = s * (1 / fit.s1);
-  const T g2 = larger(fit.g2_at_0 + fit.g2_by_nu * nu, 0);
-  return {nu * nu * (fit.c0 + fit.c1 * nu) * s / (1 + part * part),
-          s * s / (s * s + fit.g1 * s + g2)};
+UniformAndLayer<T> corrected(const PadCorrection& fit, const T& nu, const T& width,
+                             double slenderness) noexcept {
+  const T s = width * std::pow(slenderness, fit.x), t = width * std::pow(slenderness, fit.y);
+  const T part = s * (1 / fit.s1), g2 = fit.g2 * (1 + fit.g3 * (1 - 2 * nu));
+  return {nu * nu * (fit.c0 + fit.c1 * nu * nu) * s / (1 + part * part),
+          t * t / (t * t + fit.g1 * t + g2)};
 }
 
 }  // namespace
@@ -45,8 +49,11 @@ UniformAndLayer<T> corrected(const PadCorrection& fit, const T& nu, const T& s) 
 template <class T>
 PadLaw<T> pad_law(const PadShape& shape, const PadLayer<T>& layer, bool is_midplane) noexcept {
   const T nu = layer.poisson_ratio;
-  const T s = std::sqrt(shape.outline().area_m2() / kPi) / layer.thickness_m;
-  const auto pressing = corrected(kPressing, nu, s), tilting = corrected(kTilting, nu, s);
+  const double radius_m = std::sqrt(shape.outline().area_m2() / kPi);
+  const double slenderness = shape.size_m() / radius_m;
+  const T width = radius_m / layer.thickness_m;
+  const auto pressing = corrected(kPressing, nu, width, slenderness);
+  const auto tilting = corrected(kTilting, nu, width, slenderness);
   const RimCorrection& rim = is_midplane ? kFrictionlessRim : kStuckRim;
   const T per_thickness = rim.w / layer.thickness_m;
   PadLaw<T> law;
@@ -57,15 +64,19 @@ PadLaw<T> pad_law(const PadShape& shape, const PadLayer<T>& layer, bool is_midpl
   law.excess_layer = pressing.layer;
   law.tilt_uniform = tilting.uniform;
   law.tilt_layer = tilting.layer;
-  law.rim = nu * nu * (rim.r0 + rim.r1 * nu + rim.r2 * nu * nu);
+  const T nu2 = nu * nu;
+  law.rim = std::pow(slenderness, rim.z) * nu2 *
+            (rim.r0 + rim.r1 * nu + rim.r2 * nu2 + rim.r6 * nu2 * nu2 * nu2);
   law.rim_per_m2 = per_thickness * per_thickness;
   return law;
 }
 
 double lift_off_factor(double half_extent_m, const ElasticLayer& layer,
                        bool is_frictionless) noexcept {
-  if (is_frictionless) return 1;
-  return 1 + (0.1 + 0.4 * layer.poisson_ratio) / (1 + 0.2 * half_extent_m / layer.thickness_m);
+  const double nu = layer.poisson_ratio, x = half_extent_m / layer.thickness_m;
+  // A stuck rim presses more, a frictionless one less than the column there.
+  if (!is_frictionless) return 1 + (1.055 * nu - 0.08) / (1 + 0.4334 * x);
+  return std::max(0.05, 1 - nu * (0.58 - 0.4 * nu) * x / (1 + 0.56 * (1 - 2 * nu) * x * x));
 }
 
 template PadLaw<double> pad_law(const PadShape&, const PadLayer<double>&, bool) noexcept;

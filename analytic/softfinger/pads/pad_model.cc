@@ -216,7 +216,8 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
   const PadShape::Sums &one = shape.sums(PadShape::constant),
                        &by_x = shape.sums(PadShape::linear_x),
                        &by_y = shape.sums(PadShape::linear_y);
-  for (std::size_t i = 0; i < one.at_probe.size(); ++i)
+  const int probes = problem.load_at_m ? PadShape::kProbes : PadShape::kCentricProbes;
+  for (std::size_t i = 0; i < std::size_t(probes); ++i)
     result.peak_pressure_Pa = std::max(
         result.peak_pressure_Pa,
         per_length * pressure_of(shape, pressed_law, motion, shape.probes_m()[i],
@@ -267,9 +268,12 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
   result.torsional_stiffness_Nm_per_rad =
       shear_Pa / h *
       (free_to_warp + (plain - free_to_warp) * tanh_ratio(pads::kWarping * h / shape.size_m()));
+  // The free sides carry no shear: a part of the thickness is lost around the rim.
+  const double narrow = h / std::sqrt(outline.area_m2() / kPi);
+  const double lost = (0.205 - 0.18 * layer.poisson_ratio) * narrow / (1 + 2.25 * narrow * narrow);
   for (std::size_t axis = 0; axis < 2; ++axis)
     result.tangential_stiffness_N_per_m[axis] =
-        1 / (h / (shear_Pa * outline.area_m2()) +
+        1 / (h / (shear_Pa * outline.area_m2()) * (1 + lost) +
              h * h * h / (12 * layer.youngs_modulus_Pa * second(int(axis), int(axis))));
 
   constexpr double kLargestStrain = 0.1;

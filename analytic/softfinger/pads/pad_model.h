@@ -12,7 +12,7 @@
 
 namespace softfinger {
 
-/// What friction does while a pad is pressed. Rubber sticks where mu exceeds 0.3 (nu = 0.3) to 0.9
+/// Friction while a pad is pressed. Rubber sticks where mu exceeds 0.3 (nu = 0.3) to 0.9
 /// (nu = 0.49); between, stuck is the limit that stiffness and pressure approach.
 enum class PadPressing { stuck, frictionless };
 
@@ -22,7 +22,7 @@ struct PadProblem {
   ElasticLayer layer;               ///< ranges as in contact_problem.h
   ContactLoad load;
   PadPressing pressing = PadPressing::stuck;
-  /// Where the load acts, in the outline's coordinates; none: both faces stay parallel.
+  /// The load's place, in the outline's coordinates; none: both faces stay parallel.
   std::optional<Eigen::Vector2d> load_at_m;
 };
 
@@ -46,7 +46,9 @@ struct PadPrediction {
   std::array<double, 2> tilt_limit_Nm{};
   std::array<double, 2> tilt_rad{};  ///< by a load that is not in the middle
   double torsional_stiffness_Nm_per_rad = 0;
-  /// Along x and y, for faces that stay parallel. A thick pad also bends; that needs a moment.
+  /// Along x and y, for faces that stay parallel: 1/(h (1 + e)/(G A) + h³/(12 E I)). A thick pad
+  /// also bends, which takes a moment; e, what the free sides lose, is fitted to round pads (within
+  /// 5 %).
   std::array<double, 2> tangential_stiffness_N_per_m{};
   /// Share of the largest eccentricity without lift-off that the load uses: above 1 it lifts off,
   /// and the numbers above are those of a face that could pull.

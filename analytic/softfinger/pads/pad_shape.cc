@@ -20,7 +20,9 @@ using Eigen::VectorXd;
 /// or compressible pad's U falls to zero.
 constexpr std::array<double, 9> kRings = {0, 0.3, 0.52, 0.68, 0.8, 0.88, 0.95, 0.985, 1};
 constexpr int kRingNodes = 2 * int(kRings.size()) - 1;
-constexpr int kLeastElementsAround = 24, kRimProbes = 12;
+constexpr int kLeastElementsAround = 24;
+/// Nodes at 0.95, 0.3, 0.6 and 0.8.
+constexpr std::array<int, 4> kProbeRings = {12, 2, 5, 8};
 /// k² of the solutions that the modes span, over the inverse square of the outline's size.
 constexpr std::array<double, PadShape::kMostModes> kSolved = {0,   1,   4,   12,   36,
                                                               100, 300, 900, 2000, 4096};
@@ -180,14 +182,14 @@ PadShape::PadShape(const ConvexOutline& outline) : outline_(outline) {
   }
   for (const Vector2d& node : rim) rim_m_.push_back(size * node);
 
-  // Probes lie on nodes of the ring at 0.95 and on the outline.
-  constexpr int kProbeRing = 12;
+  // Probes lie on nodes.
+  std::array<int, kProbes> probe_nodes{};
   probes_m_[0].setZero();
-  std::array<int, kRimProbes> rays;
-  for (int i = 0; i < kRimProbes; ++i) {
-    rays[i] = i * around / kRimProbes;
-    probes_m_[1 + i] = size * ring_of(kProbeRing) * rim[rays[i]];
-    probes_m_[1 + kRimProbes + i] = size * rim[rays[i]];
+  for (int i = 0; i < 4 * kProbeRays; ++i) {
+    const int ring = kProbeRings[std::size_t(i / kProbeRays)];
+    const int ray = i % kProbeRays * around / kProbeRays;
+    probe_nodes[std::size_t(1 + i)] = node_index(ring, ray, around);
+    probes_m_[std::size_t(1 + i)] = size * ring_of(ring) * rim[std::size_t(ray)];
   }
 
   VectorXd x(elements.points.size()), y = x, r = x, weight = x;
@@ -224,11 +226,8 @@ PadShape::PadShape(const ConvexOutline& outline) : outline_(outline) {
     sums.radius = row(r, size * area_unit);
     sums.radius_by_x = row(x.cwiseQuotient(r), area_unit);
     sums.radius_by_y = row(y.cwiseQuotient(r), area_unit);
-    for (int i = 0; i < kMostModes; ++i) {
-      sums.at_probe[0][i] = node_modes_[s](0, i);
-      for (int p = 0; p < kRimProbes; ++p)
-        sums.at_probe[1 + p][i] = node_modes_[s](node_index(kProbeRing, rays[p], around), i);
-    }
+    for (int i = 0; i < kMostModes; ++i)
+      for (int p = 0; p < kProbes; ++p) sums.at_probe[p][i] = node_modes_[s](probe_nodes[p], i);
   }
   radius_integral_m3_ = outline.radius_integral_m3(outline.centroid_m());
   const double area_m2 = size * size;

@@ -8,7 +8,7 @@
 
 namespace softfinger {
 
-/// What a pad's outline means for its pressure, once for all thicknesses and materials: solutions
+/// An outline's part in a pad's pressure, once for all thicknesses and materials: solutions
 /// of
 ///   k² U - lap U = s,   U = 0 on the outline,   s = 1, x or y from the centroid,
 /// for any k². Each is a sum over at most ten modes, U = sum_i c_i/(k² + l_i) u_i(x, y): the modes
@@ -24,19 +24,20 @@ class PadShape {
   static constexpr int kMostModes = 10;
   enum Source { constant, linear_x, linear_y };
   static constexpr int kSources = 3;
+  /// Points where pressures are looked at: the centroid, then twelve directions at 0.95 of the way
+  /// to the outline, where a centric load has its peak, then at 0.3, 0.6 and 0.8 of it.
+  static constexpr int kProbeRays = 12, kCentricProbes = 1 + kProbeRays,
+                       kProbes = 1 + 4 * kProbeRays;
   /// One sum: `weights` over k² + `stiffness`.
   using Row = std::array<double, kMostModes>;
   struct Sums {
-    Row stiffness_per_m2{};            ///< l_i; unused modes have weight 0
-    Row integral{};                    ///< int U dA, m^4 for the source 1 (one m more for x, y)
-    Row moment_x{}, moment_y{};        ///< int x U, int y U
-    Row radius{};                      ///< int r U, r from the centroid
-    Row radius_by_x{}, radius_by_y{};  ///< int x/r U, int y/r U: how the arm moves
-    std::array<Row, 25> at_probe{};    ///< U at the centroid and at `probes`
+    Row stiffness_per_m2{};               ///< l_i; unused modes have weight 0
+    Row integral{};                       ///< int U dA, m^4 for the source 1 (one m more for x, y)
+    Row moment_x{}, moment_y{};           ///< int x U, int y U
+    Row radius{};                         ///< int r U, r from the centroid
+    Row radius_by_x{}, radius_by_y{};     ///< int x/r U, int y/r U: how the arm moves
+    std::array<Row, kProbes> at_probe{};  ///< U at `probes_m`
   };
-  /// Points where pressures are looked at: the centroid, then twelve directions at 0.95 of the way
-  /// to the outline, then the same twelve on the outline.
-  static constexpr int kProbes = 25;
 
   /// @param outline  any convex one; scales by its own size, so that it may be tiny or huge
   explicit PadShape(const ConvexOutline& outline);
