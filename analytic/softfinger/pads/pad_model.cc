@@ -242,7 +242,9 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
   const bool is_frictionless = problem.pressing == PadPressing::frictionless;
   const Vector2d half_m = outline.extent_m() / 2;
   const auto lift = [&](double half_extent_m) {
-    return is_uniform_ ? 1 : pads::lift_off_factor(half_extent_m, layer, is_frictionless);
+    return is_uniform_
+               ? 1
+               : pads::lift_off_factor(shape.size_m(), half_extent_m, layer, is_frictionless);
   };
   const double force = load_N / per_length;
   for (std::size_t axis = 0; axis < 2; ++axis) {
