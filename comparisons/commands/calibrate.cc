@@ -150,7 +150,9 @@ int run_calibrate(const CalibrateOptions& options) {
                                     : system::read_text_file(path, input::kLargestMeasurementFile);
   const input::MeasurementTable table = input::parse_measurements(data_text, path.string());
   const input::Case contact_case =
-      input::read_case(system::find_case_file(options.case_file), settings_of(options.settings));
+      input::read_case(system::find_case_file(options.case_file), settings_of(options.settings),
+                       input::FlatPads::taken);
+  refuse_pad(contact_case, "softfinger calibrate");
   const calibration::CaseCalibration result =
       calibration::calibrate_case(contact_case, table, request);
   for (const std::string& line : result.remarks) remark(line);

@@ -19,8 +19,9 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings, const s
       ->allow_extra_args(false);
 }
 
-void add_case(CLI::App& command, CaseInput& typed, bool has_load) {
+void add_case(CLI::App& command, CaseInput& typed, bool has_load, input::FlatPads pads) {
   typed.command = command.get_name();
+  typed.pads = pads;
   command.add_option("CASE", typed.file,
                      "case file (TOML), the name of a built-in case, or \"-\" for standard input; "
                      "none: the case is made of the numbers below");
@@ -29,6 +30,10 @@ void add_case(CLI::App& command, CaseInput& typed, bool has_load) {
     command.add_option(flag, value, what)->group("Numbers in place of a case, or of a case's own");
   };
   add("--radii-mm", typed.radii_mm, "R',R'' or R: relative radii of the gap in mm, finite and > 0");
+  if (pads == input::FlatPads::taken) {
+    add("--pad-mm", typed.pad_mm, "L,W: a flat rectangular pad under a larger plane, in mm, > 0");
+    add("--pad-diameter-mm", typed.pad_diameter_mm, "D: a flat round pad under a larger plane");
+  }
   add("--thickness-mm", typed.thickness_mm, "of the layer, in mm, > 0");
   add("--youngs-modulus-kPa", typed.youngs_modulus_kPa, "of the layer, in kPa, > 0");
   add("--poisson-ratio", typed.poisson_ratio, "of the layer, 0 to 0.5");
@@ -62,8 +67,27 @@ input::Settings settings_of(const CaseInput& typed) {
       {"--friction", "contact.friction_coefficient", typed.friction, 1, "a number > 0"}};
   input::Settings settings;
   std::vector<std::string> missing;
+  if (!typed.radii_mm.empty() + !typed.pad_mm.empty() + !typed.pad_diameter_mm.empty() > 1)
+    throw InputError("command line", "--radii-mm, --pad-mm, --pad-diameter-mm", "", "one of them");
+  const bool has_pad = !typed.pad_mm.empty() || !typed.pad_diameter_mm.empty();
+  if (has_pad) {
+    const bool is_round = typed.pad_mm.empty();
+    const char* flag = is_round ? "--pad-diameter-mm" : "--pad-mm";
+    const std::string& typed_pad = is_round ? typed.pad_diameter_mm : typed.pad_mm;
+    const std::size_t count = is_round ? 1 : 2;
+    const char* allowed = is_round ? "a number > 0, in mm" : "L,W: two numbers > 0, in mm";
+    if (numbers_of(flag, typed_pad, allowed).size() != count)
+      throw InputError("command line", flag, "\"" + text::shortened(typed_pad) + "\"", allowed);
+    const std::string where = flag + (" " + text::shortened(typed_pad, 100));
+    settings.push_back(
+        {"geometry.finger",
+         is_round ? "{ pad_diameter_mm = " + typed_pad + " }" : "{ pad_mm = [" + typed_pad + "] }",
+         where});
+    if (typed.file.empty()) settings.push_back({"geometry.object", "{ flat = true }", where});
+  }
   for (const Number& number : numbers) {
     if (number.value.empty()) {
+      if (has_pad && number.flag == std::string("--radii-mm")) continue;
       if (number.key != std::string("contact.friction_coefficient")) missing.push_back(number.flag);
       continue;
     }
@@ -87,6 +111,9 @@ input::Settings settings_of(const CaseInput& typed) {
         "",
         "a case file, the name of a built-in case (softfinger list cases), \"-\", or "
         "--radii-mm, --thickness-mm, --youngs-modulus-kPa, --poisson-ratio, --load" +
+            std::string(typed.pads == input::FlatPads::taken
+                            ? "; --pad-mm or --pad-diameter-mm for a flat pad"
+                            : "") +
             (typed.command.empty() ? "" : "; see softfinger " + typed.command + " --help"));
   for (const input::Setting& setting : settings_of(typed.settings)) settings.push_back(setting);
   input::require_each_key_once(settings);
@@ -107,7 +134,9 @@ input::Case read_case(const CaseInput& typed) {
     throw InputError(typed.file, "file", "a mesh",
                      "a case, which names the mesh: softfinger mesh FILE prints the line for it");
   if (!typed.file.empty()) {
-    input::Case read = input::read_case(system::find_case_file(typed.file), settings);
+    input::Case read =
+        input::read_case(system::find_case_file(typed.file), settings, input::FlatPads::taken);
+    if (typed.pads == input::FlatPads::refused) refuse_pad(read, "softfinger " + typed.command);
     for (const std::string& line : read.remarks) remark(line);
     return read;
   }
@@ -117,7 +146,8 @@ input::Case read_case(const CaseInput& typed) {
     has_friction = has_friction || setting.key == "contact.friction_coefficient" ||
                    setting.key == "contact.shear_law";
   if (!has_friction) text += "[contact]\nfriction_coefficient = 1\n";
-  input::Case made = input::parse_case(text, "command line", settings);
+  input::Case made = input::parse_case(text, "command line", settings, input::FlatPads::taken);
+  if (typed.pads == input::FlatPads::refused) refuse_pad(made, "softfinger " + typed.command);
   for (const std::string& line : made.remarks) remark(line);
   if (!has_friction)
     remark("no --friction: a coefficient of 1 is taken, the torque is proportional to it");

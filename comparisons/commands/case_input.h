@@ -12,9 +12,11 @@ namespace softfinger::commands {
 /// A case from a file, or from numbers on the command line, which also replace those of a file.
 struct CaseInput {
   std::string command;  ///< that takes them: "predict"
-  std::string file;     ///< as typed; empty: all by numbers
+  input::FlatPads pads = input::FlatPads::refused;
+  std::string file;  ///< as typed; empty: all by numbers
   std::vector<std::string> settings;
-  std::string radii_mm, thickness_mm, youngs_modulus_kPa, poisson_ratio, load_N, friction;
+  std::string radii_mm, pad_mm, pad_diameter_mm, thickness_mm, youngs_modulus_kPa, poisson_ratio,
+      load_N, friction;
 };
 
 /// Adds --set.
@@ -23,7 +25,9 @@ void add_settings(CLI::App& command, std::vector<std::string>& settings, const s
 
 /// Adds CASE, --set and the numbers in its place.
 /// @param has_load  whether the command has a --load of its own
-void add_case(CLI::App& command, CaseInput& typed, bool has_load = false);
+/// @param pads      whether it can do with a flat pad; if so, it may be typed as numbers, too
+void add_case(CLI::App& command, CaseInput& typed, bool has_load = false,
+              input::FlatPads pads = input::FlatPads::refused);
 
 /// @throws InputError(where "--set ..."), also for a key that is set twice
 input::Settings settings_of(const std::vector<std::string>& typed);

@@ -2,12 +2,14 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/input/material_cards.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/system/files.h"
 #include "comparisons/text/json_text.h"
+#include "softfinger/pads/pad_model.h"
 
 namespace softfinger::commands {
 
@@ -52,11 +54,19 @@ void add_explain(CLI::App& app, Action& action) {
               card.name));
           return 0;
         }
+      std::vector<const ModelCard*> cards;
+      if (const PadModel* pad = find_pad_model(name))
+        cards.push_back(&pad->card());
+      else
+        for (const PressureModel* model :
+             prediction::models_by_name(name == "all" ? "everything" : name))
+          cards.push_back(&model->card());
+      if (name == "all")
+        for (const PadModel* pad : all_pad_models()) cards.push_back(&pad->card());
       std::string text;
       nlohmann::json models = nlohmann::json::array();
-      for (const PressureModel* model :
-           prediction::models_by_name(name == "all" ? "everything" : name)) {
-        const ModelCard& card = model->card();
+      for (const ModelCard* shown : cards) {
+        const ModelCard& card = *shown;
         models.push_back({{"model", card.name},
                           {"title", card.title},
                           {"assumptions", card.assumptions},

@@ -8,6 +8,7 @@
 
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/contact_choice.h"
+#include "comparisons/commands/export_pad.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/prediction/answer_json.h"
@@ -183,6 +184,8 @@ std::string evidence_text(const input::Case& contact_case, const ContactCurve& c
 int run_export(const ExportOptions& options) {
   const Simulator& simulator = simulator_by_name(options.to);
   const input::Case contact_case = read_contact_case(options.contact);
+  if (std::holds_alternative<input::PadPair>(contact_case.geometry))
+    return export_pad(simulator, contact_case, options.contact, options.json);
   const ContactCurve curve = ask_contact_curve(contact_case, options.contact);
   const Export made(simulator, curve, options.contact.kind_of_fit());
   const bool usable = curve.nominal.assessment.usable, told = usable || options.contact.force;
@@ -202,7 +205,7 @@ void add_export(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand(
       "export",
       "What to type into a simulator, and the error of its constants over a range of loads");
-  add_case(*command, options->contact.typed_case, true);
+  add_case(*command, options->contact.typed_case, true, input::FlatPads::taken);
   command
       ->add_option(
           "--to", options->to,
@@ -221,6 +224,8 @@ void add_export(CLI::App& app, Action& action) {
       "Samples:\n"
       "  softfinger export silicone_pad_2mm --to mujoco\n"
       "  softfinger export seed_thumb --to drake --load 2 --load-range 0.5,8\n"
+      "  softfinger export --pad-mm 22,37.5 --thickness-mm 3 --youngs-modulus-kPa 600 "
+      "--poisson-ratio 0.49 --load 20 --to mujoco\n"
       "  softfinger export hertz_circle --to gazebo --model hertz --fit range --json");
   command->callback([options, &action] { action = [options] { return run_export(*options); }; });
 }

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 struct InitOptions {
   std::string file = "my_finger.toml", mesh, along = "-y", near, unit, part;
-  bool along_given = false, unit_given = false, force = false, json = false;
+  bool along_given = false, unit_given = false, force = false, json = false, pad = false;
 };
 
 constexpr const char* kPlane =
@@ -92,7 +92,36 @@ std::string geometry_text(const InitOptions& options) {
       named.entries(), options.along, kPlane);
 }
 
+std::string pad_case_text(const InitOptions& options) {
+  return fmt::format(
+      "# A flat pad for softfinger. What a key means and may be: softfinger predict --help\n"
+      "id = \"{}\"\n"
+      "question = \"Which torque does my gripper's pad hold?\"   # optional\n"
+      "\n[geometry]                               # the contact is where pad and face overlap\n"
+      "finger = {{ pad_mm = [22, 37.5], corner_radius_mm = 1, edge_radius_mm = 0.5 }}\n"
+      "# finger = {{ pad_diameter_mm = 20 }}     # or pad_outline_mm = [[0, 0], [20, 0], [10, "
+      "15]], "
+      "convex\n"
+      "object = {{ flat = true }}                 # a plane larger than the pad\n"
+      "# object = {{ face_mm = [10, 50], offset_mm = [2, 0], angle_deg = 20 }}   # or "
+      "face_diameter_mm, face_outline_mm\n"
+      "\n[layer]                                  # the rubber on its rigid backing\n"
+      "thickness_mm = 3.0\n"
+      "youngs_modulus_kPa = 800.0               # moves indentation and stiffness, not the torque\n"
+      "poisson_ratio = 0.49                     # 0 to 0.5; rubber and silicone 0.48 to 0.5, foam "
+      "0 to 0.3\n"
+      "\n[contact]\n"
+      "load_N = [20.0, 60.0]                    # one or several\n"
+      "friction_coefficient = 0.9\n"
+      "# pressing = \"stuck\"                     # default; or \"frictionless\", of a lubricated "
+      "face\n"
+      "# load_at_mm = [1.0, 0.0]                # where the load acts; default: faces stay "
+      "parallel\n",
+      options.file == "-" ? "my_pad" : input::id_of(options.file));
+}
+
 std::string case_text(const InitOptions& options) {
+  if (options.pad) return pad_case_text(options);
   return fmt::format(
       "# A case for softfinger. What a key means and may be: softfinger predict --help, README.md\n"
       "id = \"{}\"\n"
@@ -128,13 +157,17 @@ int run_init(const InitOptions& options) {
   if (!input::axis_direction(options.along))
     throw InputError("command line", "--along", "\"" + options.along + "\"",
                      "+x, -x, +y, -y, +z or -z");
+  if (options.pad && !options.mesh.empty())
+    throw InputError("command line", "--pad, --mesh", "", "one of them");
   const bool to_stdout = options.file == "-";
   const std::string text = case_text(options);
   const fs::path file = options.file;
   // The new case must read back, and its mesh must exist and have a surface to press on.
-  const input::Case written = input::parse_case(text, file);
-  const prediction::GeometryResolver resolver(written);
-  for (const std::string& line : resolver.remarks()) remark(line);
+  const input::Case written = input::parse_case(text, file, {}, input::FlatPads::taken);
+  if (!options.pad) {
+    const prediction::GeometryResolver resolver(written);
+    for (const std::string& line : resolver.remarks()) remark(line);
+  }
   std::error_code error;
   if (!to_stdout && !options.force && fs::exists(file, error))
     throw InputError(file.string(), "is there already", "", "a new file, or --force");
@@ -175,11 +208,13 @@ void add_init(CLI::App& app, Action& action) {
           "unit")
       ->excludes(along);
   add_mesh_options(*command, options->unit, options->part, "");
+  command->add_flag("--pad", options->pad, "a flat pad instead of a curved finger");
   command->add_flag("--force", options->force, "replace a file that is there");
   command->add_flag("--json", options->json, "one JSON object on standard output: file and text");
   command->footer(
       "Samples:\n"
       "  softfinger init -\n"
+      "  softfinger init my_pad.toml --pad --force\n"
       "  softfinger init pad.toml --mesh shadow_like_pad.stl --along +z --force");
   command->callback([options, along, &action] {
     options->along_given = along->count() > 0;

@@ -15,6 +15,7 @@
 #include "comparisons/text/json_text.h"
 #include "meshes/io/read_surface.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pads/pad_model.h"
 #include "softfinger/pressure/pressure_model.h"
 
 namespace softfinger::commands {
@@ -38,9 +39,12 @@ std::vector<Entry> entries(const std::string& kind) {
   if (kind == "models")
     for (const PressureModel* model : all_pressure_models())
       found.push_back({std::string(model->card().name), std::string(model->card().title)});
+  if (kind == "models")
+    for (const PadModel* model : all_pad_models())
+      found.push_back({std::string(model->card().name), std::string(model->card().title)});
   if (kind == "cases")
     for (const auto& file : system::builtin_case_files()) {
-      const input::Case contact_case = input::read_case(file);
+      const input::Case contact_case = input::read_case(file, {}, input::FlatPads::taken);
       found.push_back(
           {file.stem().string(), fmt::format("{} ({})", contact_case.question,
                                              judgement::load_list(contact_case.loads_N))});

@@ -12,6 +12,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/demand_input.h"
 #include "comparisons/commands/mesh_points_text.h"
+#include "comparisons/commands/predict_pad.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/input/mesh_unit.h"
@@ -23,6 +24,7 @@
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/gap_sampling.h"
+#include "comparisons/prediction/pad_answer.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/terminal.h"
@@ -153,9 +155,30 @@ std::string block_of(const std::vector<prediction::ModelAnswer>& answers,
   return text + models_text(answers, first, rule, demand);
 }
 
+/// Options that a pad has no use for are refused, not ignored.
+int run_predict_pad(const PredictOptions& options, const prediction::Demand& demand,
+                    const input::Case& contact_case) {
+  const auto refuse = [](const char* flag, const std::string& value, const char* allowed) {
+    throw InputError("command line", flag, value, allowed);
+  };
+  if (options.torque_rule != "exact")
+    refuse("--torque-rule", options.torque_rule,
+           "\"exact\" for a flat pad: the paper's rule is for ellipses");
+  if (options.gap != "quadric")
+    refuse("--gap", options.gap, "nothing for a flat pad: it has no gap to sample");
+  if (options.write_page)
+    refuse("--page", options.page, "for a case whose finger or object is a mesh");
+  check_limit_surface(
+      options, prediction::pad_models_by_name(options.models).size() * contact_case.loads_N.size());
+  return predict_pad({demand, options.models, options.limit_surface, options.json, options.explain},
+                     contact_case);
+}
+
 int run_predict(const PredictOptions& options) {
   const prediction::Demand demand = options.demand.demand();
   const input::Case contact_case = read_case(options.typed_case);
+  if (std::holds_alternative<input::PadPair>(contact_case.geometry))
+    return run_predict_pad(options, demand, contact_case);
   const auto models = chosen_models(options, contact_case);
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
   const input::MeshBody* const mesh = shown_mesh(contact_case);
@@ -282,7 +305,7 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
   options->command_line = command_line;
   CLI::App* command = app.add_subcommand(
       "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
-  add_case(*command, options->typed_case);
+  add_case(*command, options->typed_case, false, input::FlatPads::taken);
   command->add_option("--model,--models", options->models,
                       "model names, separated by commas; \"all\" (default): those that take "
                       "microseconds; \"everything\": also the slow ones; see: list models");
@@ -332,11 +355,19 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
       "/\n"
       "    largest force, which is mu P under Coulomb's law. The models' pressure is taken as\n"
       "    p ~ (1 - x²/a² - y²/b²)^n with n from their torque\n"
+      "A flat pad: [geometry] finger = { pad_mm = [l, w] or pad_diameter_mm or pad_outline_mm,\n"
+      "    corner_radius_mm, edge_radius_mm }, object = { flat = true } or { face_mm, "
+      "face_diameter_mm or\n"
+      "    face_outline_mm, offset_mm = [x, y], angle_deg }; [contact] pressing = \"stuck\" "
+      "(default) or\n"
+      "    \"frictionless\", load_at_mm = [x, y]; see: explain pad_layer, init --pad\n"
       "A case has at most 1000 loads, 100 sublayers, 1000 measured radii and 16 MiB.\n"
       "Samples:\n"
       "  softfinger predict seed_thumb\n"
       "  softfinger predict --radii-mm 20,12 --thickness-mm 2 --youngs-modulus-kPa 300 "
       "--poisson-ratio 0.49 --load 2\n"
+      "  softfinger predict --pad-mm 22,37.5 --thickness-mm 3 --youngs-modulus-kPa 600 "
+      "--poisson-ratio 0.49 --load 20\n"
       "  softfinger predict seed_thumb --set layer.thickness_mm=2 --quiet\n"
       "  softfinger predict hertz_ratio_4 --model hertz --torque-rule paper\n"
       "  softfinger predict silicone_pad_2mm --limit-surface 9 --json\n"

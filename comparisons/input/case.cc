@@ -9,6 +9,7 @@
 
 #include "comparisons/input/case_table.h"
 #include "comparisons/input/doubted_numbers.h"
+#include "comparisons/input/pad_reader.h"
 #include "comparisons/input/toml_reader.h"
 #include "comparisons/input/unusual_values.h"
 #include "comparisons/system/program_paths.h"
@@ -146,9 +147,8 @@ CaseBody read_body(const TomlReader& reader, const toml::node& node, const std::
   return mesh;
 }
 
-std::variant<RelativeRadii, BodyPair> read_geometry(const TomlReader& reader,
-                                                    const toml::table& table,
-                                                    const fs::path& folder) {
+decltype(Case::geometry) read_geometry(const TomlReader& reader, const toml::table& table,
+                                       const fs::path& folder) {
   reader.check_keys(table, "[geometry]", {"relative_radii_mm", "finger", "object", "angle_deg"});
   const bool relative = table.contains("relative_radii_mm");
   const bool bodies = table.contains("finger") || table.contains("object");
@@ -311,7 +311,8 @@ void read_power_law(const TomlReader& reader, const toml::node& node, Case& resu
 
 void read_contact(const TomlReader& reader, const toml::table& table, Case& result) {
   reader.check_keys(table, "[contact]",
-                    {"load_N", "friction_coefficient", "shear_law", "shear_strength_kPa"});
+                    {"load_N", "friction_coefficient", "shear_law", "shear_strength_kPa",
+                     "pressing", "load_at_mm"});
   const toml::node& load = reader.required(table, "[contact]", "load_N");
   if (load.is_array()) {
     const std::string allowed = "a number > 0 or a list of them";
@@ -410,7 +411,38 @@ void read_materials(const TomlReader& reader, const toml::table& root, Case& res
   if (result.fem_finite) result.fem_finite = material;
 }
 
+/// Refuses what flat pads do not have yet.
+void require_plain_pad(const TomlReader& reader, const toml::table& root) {
+  const auto refuse = [&](const toml::node& node, const char* what) {
+    reader.say(node,
+               fmt::format("a flat pad takes no {} yet: one [layer] under a rigid face", what));
+  };
+  for (const char* key : {"object_layer", "power_law"})
+    if (const toml::node* node = root.get(key))
+      refuse(*node, (std::string("[") + key + "]").c_str());
+  if (const toml::node* layer = root.get("layer")) {
+    if (layer->is_array()) refuse(*layer, "[[layer]]");
+    for (const char* key :
+         {"winkler_modulus", "material", "volumetric", "mooney_rivlin_share", "yeoh_ratios"})
+      if (const toml::node* node = layer->as_table()->get(key)) refuse(*node, key);
+  }
+  if (const toml::node* fem = root.get("fem"); fem && fem->is_table())
+    for (const char* key : {"geometry", "kinematics", "mesh", "mesh_unit"})
+      if (const toml::node* node = fem->as_table()->get(key))
+        refuse(*node, (std::string("[fem] ") + key).c_str());
+  if (const toml::node* law = root["contact"]["shear_law"].node())
+    if (reader.text(*law, "shear_law") != "coulomb")
+      reader.refuse(*law, "shear_law", "\"coulomb\" for a flat pad");
+}
+
 }  // namespace
+
+void refuse_pad(const Case& contact_case, const std::string& command) {
+  if (!std::holds_alternative<PadPair>(contact_case.geometry)) return;
+  throw InputError(contact_case.geometry_where,
+                   command + " does not take flat pads yet: softfinger predict and export do", "",
+                   "");
+}
 
 void settle_finger_shape(Case& contact_case) {
   if (!contact_case.fem_finite || !contact_case.fem_curved) return;
@@ -447,7 +479,18 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
   result.geometry_where = reader.where(geometry);
   read_layers(reader, root, result);
   if (const toml::node* law = root.get("power_law")) read_power_law(reader, *law, result);
-  read_contact(reader, reader.required_table(root, "contact"), result);
+  const toml::table& contact = reader.required_table(root, "contact");
+  read_contact(reader, contact, result);
+  if (is_flat_geometry(geometry)) {
+    result.geometry = read_pad_pair(reader, geometry, contact);
+    require_plain_pad(reader, root);
+    if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
+    result.remarks = unusual_values(result);
+    return result;
+  }
+  for (const char* key : {"pressing", "load_at_mm"})
+    if (const toml::node* node = contact.get(key))
+      reader.say(*node, fmt::format("{} is for flat pads: finger = {{ pad_mm = [l, w] }}", key));
   result.geometry = read_geometry(reader, geometry, file.parent_path());
   if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
   if (const auto core = geometry.at_path("finger.core");
@@ -460,16 +503,18 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
   return result;
 }
 
-Case parse_case(const std::string& text, const fs::path& file, const Settings& settings) {
+Case parse_case(const std::string& text, const fs::path& file, const Settings& settings,
+                FlatPads pads) {
   const toml::table root = parse_toml(text, file.string(), settings);
   Case read = case_of(root, text_of(root, text, settings), file);
+  if (pads == FlatPads::refused) refuse_pad(read, "this command");
   read.settings = settings;
   return read;
 }
 
 Case with_value(const Case& contact_case, const Doubt& doubt, double value) {
   const Settings setting = {{doubt.key, fmt::format("{}", value), doubt.key}};
-  return parse_case(contact_case.text, contact_case.file, setting);
+  return parse_case(contact_case.text, contact_case.file, setting, FlatPads::taken);
 }
 
 std::optional<Eigen::Vector3d> axis_direction(const std::string& typed) {
@@ -488,8 +533,8 @@ void require_coulomb(const Case& contact_case, const std::string& command) {
         "\"coulomb\" for " + command + "; predict, fem, export and simulate take the other laws");
 }
 
-Case read_case(const fs::path& file, const Settings& settings) {
-  return parse_case(read_typed_text(file), name_of_typed(file), settings);
+Case read_case(const fs::path& file, const Settings& settings, FlatPads pads) {
+  return parse_case(read_typed_text(file), name_of_typed(file), settings, pads);
 }
 
 }  // namespace softfinger::input

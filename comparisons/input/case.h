@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "comparisons/input/doubt.h"
+#include "comparisons/input/pad.h"
 #include "comparisons/input/setting.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/input/shear_law.h"
@@ -87,7 +88,7 @@ struct Case {
   std::filesystem::path file;
   Settings settings;  ///< the values from the command line that took the place of the file's
   std::string text;   ///< of the file, for reproduction
-  std::variant<RelativeRadii, BodyPair> geometry;
+  std::variant<RelativeRadii, BodyPair, PadPair> geometry;
   std::string geometry_where;  ///< "file:line" of [geometry], for messages
   ElasticLayer layer;          ///< the finger's, or the only one
   /// Sublayers from the surface inwards, if [[layer]] is repeated; empty for a homogeneous layer.
@@ -122,17 +123,24 @@ struct Case {
 /// paraboloid, unless a shape was typed.
 void settle_finger_shape(Case& contact_case);
 
+/// Whether a reader of cases can do with a flat pad. Most commands only know curved contacts.
+enum class FlatPads { refused, taken };
+
+/// @throws InputError that names the command, where the case's contact is a flat pad
+void refuse_pad(const Case& contact_case, const std::string& command);
+
 /// Reads and checks a case file. Mesh files are looked up relative to the case's folder, then among
 /// the built-in meshes, but not opened.
 /// @throws InputError with where = "file:line" for anything that is missing, unknown, of the wrong
 /// type or out of range; the nearest known key is named for an unknown one. For a value of
 /// `settings` `where` is what typed it.
 /// @param file  "-": standard input
-Case read_case(const std::filesystem::path& file, const Settings& settings = {});
+Case read_case(const std::filesystem::path& file, const Settings& settings = {},
+               FlatPads pads = FlatPads::refused);
 
 /// Reads a case from a text in memory; `file` is used in messages and to find meshes.
 Case parse_case(const std::string& text, const std::filesystem::path& file,
-                const Settings& settings = {});
+                const Settings& settings = {}, FlatPads pads = FlatPads::refused);
 
 /// Copy of a case with another value of a doubted number, in the file's unit.
 /// @throws InputError where the case does not allow that value

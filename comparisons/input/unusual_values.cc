@@ -108,6 +108,7 @@ std::vector<std::string> unusual_values(const Case& contact_case) {
       found.check(kRadius, radius_m, "relative_");
     return found.sentences();
   }
+  if (std::holds_alternative<PadPair>(contact_case.geometry)) return found.sentences();
   const auto& pair = std::get<BodyPair>(contact_case.geometry);
   check_radii(pair.finger, "finger", found);
   check_radii(pair.object, "object", found);

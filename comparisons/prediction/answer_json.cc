@@ -101,6 +101,7 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
   };
   nlohmann::json result = {{"load_N", answer.problem.load.normal_force_N},
                            {"model", answer.model->card().name},
+                           {"contact", "ellipse"},
                            {"a_m", number(prediction.a_m)},
                            {"b_m", number(prediction.b_m)},
                            {"axis_rad", answer.problem.radii.axis_rad},

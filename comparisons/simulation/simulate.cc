@@ -17,6 +17,7 @@
 #include "comparisons/simulation/collision.h"
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/simulation/presliding_contacts.h"
+#include "comparisons/simulation/soft_faces.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/friction/linearised_friction.h"
@@ -83,7 +84,8 @@ class SceneContacts final : public ContactFinder {
     const input::FrictionLaw* friction = nullptr;
   };
 
-  explicit SceneContacts(const input::Scene& scene) : scene_(scene), detector_(scene) {
+  explicit SceneContacts(const input::Scene& scene)
+      : scene_(scene), detector_(scene), faces_(scene) {
     for (const input::ContactRule& rule : scene.rules)
       if (const auto* table = std::get_if<input::EccentricityOverLoad>(&rule.model))
         tables_.emplace(&rule, SampledEccentricity(table->least_load_N, table->largest_load_N,
@@ -98,10 +100,16 @@ class SceneContacts final : public ContactFinder {
     shapes_.clear();
     detector_.find(bodies, time_step_s, points_);
     for (const TouchingPoint& point : points_) contacts.push_back(contact_at(point));
+    faces_.describe(points_, bodies, contacts);
     presliding_.prepare(bodies, contacts);
   }
   /// After a step that is done.
-  void settle(const TimeStepper& stepper) { presliding_.settle(stepper); }
+  void settle(const TimeStepper& stepper) {
+    presliding_.settle(stepper);
+    faces_.settle(stepper);
+  }
+  /// The soft flat face that a contact belongs to; null: a point of its own.
+  const SoftFaces::Face* face(const Contact& contact) const { return faces_.face(contact); }
 
   CollisionDetector& detector() { return detector_; }
   /// Origin of a contact that the last `find` returned.
@@ -168,6 +176,7 @@ class SceneContacts final : public ContactFinder {
   std::unordered_map<long, Origin> origins_;  ///< by the contact's id
   std::deque<ModelEccentricity> pressures_;   ///< a deque: contacts point into it
   PreslidingContacts presliding_;
+  SoftFaces faces_;
   std::vector<std::unique_ptr<const FrictionShape>> shapes_;
 };
 
@@ -193,15 +202,16 @@ double utilisation(const RecordedContact& contact, const FrictionShape* shape) {
   return std::isfinite(used) ? used : 0;
 }
 
-RecordedContact recorded(const TimeStepper& stepper, int index, const SceneContacts& finder,
-                         const input::Scene& scene, double least_slip_m_per_s) {
+/// @param wrench  of the contact, or of all points of its face
+RecordedContact recorded(const TimeStepper& stepper, int index, const ContactWrench& wrench,
+                         const SceneContacts& finder, const input::Scene& scene,
+                         double least_slip_m_per_s) {
   const Contact& contact = stepper.contacts()[std::size_t(index)];
-  const ContactWrench wrench = stepper.wrench(index);
   const SceneContacts::Origin& origin = finder.origin(contact);
   RecordedContact result;
   result.a = contact.a;
   result.b = contact.b;
-  result.point_m = contact.point_m;
+  result.point_m = contact.friction_point_m();
   result.axes = contact.axes;
   result.normal_force_N = wrench.normal_force_N;
   result.tangent_force_1_N = wrench.tangent_force_1_N;
@@ -214,7 +224,8 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
   result.model =
       std::holds_alternative<input::GivenEccentricity>(scene.rule(contact.a, contact.b).model)
           ? "given"
-          : "rigid";
+      : finder.face(contact) ? "pad_layer"
+                             : "rigid";
   if (origin.pressure) {
     const Prediction prediction = origin.pressure->predict(wrench.normal_force_N);
     result.semi_axis_a_m = prediction.a_m;
@@ -256,7 +267,7 @@ class UnknownContacts {
     const bool is_soft =
         scene_.bodies[std::size_t(contact.a)].layer || scene_.bodies[std::size_t(contact.b)].layer;
     // Who gives e_n, or wants a point, knows what he does.
-    if (!is_soft || std::holds_alternative<input::RigidPoint>(model) ||
+    if (!is_soft || finder.face(contact) || std::holds_alternative<input::RigidPoint>(model) ||
         std::holds_alternative<input::GivenEccentricity>(model) ||
         std::holds_alternative<input::EccentricityOverLoad>(model))
       return;
@@ -322,9 +333,23 @@ Frame frame_after(const StepResult& step, const TimeStepper& stepper, const Scen
                   const input::Scene& scene) {
   Frame result = bodies_now(stepper);
   const double least_slip = least_slip_m_per_s(stepper, step);
-  for (int i = 0; i < int(stepper.contacts().size()); ++i)
-    if (stepper.wrench(i).normal_force_N > 0)
-      result.contacts.push_back(recorded(stepper, i, finder, scene, least_slip));
+  std::set<const SoftFaces::Face*> seen;
+  for (int i = 0; i < int(stepper.contacts().size()); ++i) {
+    ContactWrench wrench = stepper.wrench(i);
+    if (const auto* face = finder.face(stepper.contacts()[std::size_t(i)])) {
+      if (!seen.insert(face).second) continue;
+      for (int other = i + 1; other < int(stepper.contacts().size()); ++other) {
+        if (finder.face(stepper.contacts()[std::size_t(other)]) != face) continue;
+        const ContactWrench more = stepper.wrench(other);
+        wrench.normal_force_N += more.normal_force_N;
+        wrench.tangent_force_1_N += more.tangent_force_1_N;
+        wrench.tangent_force_2_N += more.tangent_force_2_N;
+        wrench.torque_Nm += more.torque_Nm;
+      }
+    }
+    if (wrench.normal_force_N > 0)
+      result.contacts.push_back(recorded(stepper, i, wrench, finder, scene, least_slip));
+  }
   return result;
 }
 

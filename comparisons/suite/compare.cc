@@ -210,7 +210,8 @@ std::vector<PlannedCase> read_cases(const std::vector<fs::path>& files,
   std::vector<PlannedCase> cases;
   std::map<std::string, std::string> file_of_id;
   for (const fs::path& file : files) {
-    input::Case typed = input::read_case(file, options.settings);
+    input::Case typed = input::read_case(file, options.settings, input::FlatPads::taken);
+    refuse_pad(typed, "softfinger compare");
     input::require_coulomb(typed, "compare");
     const prediction::GeometryResolver geometry(typed);
     cases.push_back(planned(reference::with_full_reference(typed, geometry, options.idealisations),

@@ -320,7 +320,11 @@ TEST_F(Program, AsksSlowModelsOnRequestOnly) {
     return json::parse(run({"predict", file.string(), "--model", models, "--json"}).out)["results"]
         .size();
   };
-  const std::size_t there = json::parse(run({"list", "models", "--json"}).out)["models"].size();
+  std::size_t there = 0;
+  const json listed = json::parse(run({"list", "models", "--json"}).out);
+  for (const json& model : listed["models"])
+    // The flat pads' models answer for pads only.
+    there += model["name"].get<std::string>().rfind("pad_", 0) != 0;
   EXPECT_EQ(count("everything"), there);
   EXPECT_LE(count("all"), there);
   EXPECT_EQ(count("winkler,hertz"), 2u);

@@ -168,9 +168,11 @@ void TimeStepper::describe_rows() {
       const Contact& contact = contacts_[std::size_t(touching.row)];
       auto block = rows.middleRows<4>(4 * n);
       if (touching.body_a >= 0)
-        bodies_.add_contact_jacobian(touching.body_a, contact.point_m, contact.axes, -1, block);
+        bodies_.add_contact_jacobian(touching.body_a, contact.point_m, contact.friction_point_m(),
+                                     contact.axes, -1, block);
       if (touching.body_b >= 0)
-        bodies_.add_contact_jacobian(touching.body_b, contact.point_m, contact.axes, 1, block);
+        bodies_.add_contact_jacobian(touching.body_b, contact.point_m, contact.friction_point_m(),
+                                     contact.axes, 1, block);
     }
   }
 }

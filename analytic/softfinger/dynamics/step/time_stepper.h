@@ -18,6 +18,13 @@ namespace softfinger {
 struct Contact {
   int a = -1, b = -1;                                 ///< bodies
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< halfway between the surfaces
+  /// Friction acts here, if it acts elsewhere than the normal force. Points that hold one face
+  /// share the pressure's centre: limits of the same shape about the same point add up to one limit
+  /// of the face's whole normal force, however that is distributed over the points.
+  std::optional<Eigen::Vector3d> centre_of_pressure_m;
+  const Eigen::Vector3d& friction_point_m() const {
+    return centre_of_pressure_m ? *centre_of_pressure_m : point_m;
+  }
   /// Columns: along the contact ellipse's long axis, its short axis, the normal from `a` to `b`.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   double gap_m = 0;                                   ///< negative: the bodies overlap

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+
+#include "softfinger/pads/pad_model.h"
+
+namespace softfinger {
+
+/// Relative errors of a pad's numbers against linear finite elements of the whole pad.
+struct PadErrors {
+  double indentation = 0, peak_pressure = 0, pressure_arm = 0, max_torque = 0, tilt_stiffness = 0,
+         tangential_stiffness = 0, torsional_stiffness = 0;
+};
+
+/// Bounds that hold for 95 % of outlines, thicknesses and nu that the model was not fitted to, by
+/// ranges of size over thickness and of nu. For pad_uniform: its distance from pad_layer and
+/// pad_layer's own bound. None where the model has no answer, beyond the ranges, above a strain of
+/// a tenth, and where the rim lifts off.
+std::optional<PadErrors> pad_error_bound(const PadModel& model, const PadProblem& problem) noexcept;
+
+}  // namespace softfinger

@@ -1,0 +1,431 @@
+#include "softfinger/pads/pad_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "softfinger/input/constants.h"
+#include "softfinger/pads/pad_law.h"
+
+namespace softfinger {
+namespace {
+
+using Eigen::Vector2d;
+using pads::PadDual;
+using pads::PadLaw;
+using pads::PadLayer;
+
+constexpr std::size_t kX = 0, kY = 1;
+
+/// Resultants of p, per E d/h and per E/h times a tilt: force, moments about the centroid, arms.
+template <class T>
+struct PadResultants {
+  T force;                     ///< int p dA of pressing
+  std::array<T, 2> moment;     ///< int x p, int y p of pressing
+  T radius;                    ///< int r p of pressing
+  std::array<T, 2> radius_by;  ///< int x/r p, int y/r p
+
+  T centre(std::size_t axis) const noexcept { return moment[axis] / force; }
+  /// Arm about the centre of pressure: to first order in its distance from the centroid, which is
+  /// below a hundredth of the size; the second order is below 1e-4.
+  T arm() const noexcept {
+    return (radius - centre(kX) * radius_by[kX] - centre(kY) * radius_by[kY]) / force;
+  }
+};
+
+template <class T>
+PadResultants<T> pressing_resultants(const PadShape& shape, const PadLaw<T>& law) noexcept {
+  const PadShape::Sums& sums = shape.sums(PadShape::constant);
+  const double area = shape.outline().area_m2();
+  const T rim_share = law.rim_sum(sums, sums.integral) / area;
+  // int of p against a function of the row, whose own integral is `plain`.
+  const auto against = [&](const PadShape::Row& row, double plain) {
+    return plain * (1 + law.excess_uniform) + law.excess_layer * law.layer_sum(sums, row) +
+           law.rim * (plain * rim_share - law.rim_sum(sums, row));
+  };
+  const Vector2d& by_point = shape.radius_by_point_m2();
+  return {against(sums.integral, area),
+          {against(sums.moment_x, 0), against(sums.moment_y, 0)},
+          against(sums.radius, shape.radius_integral_m3()),
+          {against(sums.radius_by_x, by_point.x()), against(sums.radius_by_y, by_point.y())}};
+}
+
+/// Pressures over E/h: `approach` presses, `tilt` tilts so that the pressure grows along x and y.
+struct PadMotion {
+  double approach_m = 0;
+  Vector2d tilt_rad = Vector2d::Zero();
+};
+
+/// Forces and moments of a pad's motions, over E/h.
+class PadStiffness {
+ public:
+  PadStiffness(const PadShape& shape, const PadLaw<double>& law) noexcept
+      : pressed(pressing_resultants(shape, law)) {
+    const Eigen::Matrix2d& plain = shape.outline().second_moments_m4();
+    for (std::size_t i = 0; i < 2; ++i) {
+      const PadShape::Sums& sums = shape.sums(i == kX ? PadShape::linear_x : PadShape::linear_y);
+      force_by_tilt(int(i)) = law.tilt_layer * law.layer_sum(sums, sums.integral);
+      moment_by_tilt(0, int(i)) = law.tilt_layer * law.layer_sum(sums, sums.moment_x);
+      moment_by_tilt(1, int(i)) = law.tilt_layer * law.layer_sum(sums, sums.moment_y);
+    }
+    moment_by_tilt += (1 + law.tilt_uniform) * plain;
+  }
+
+  /// Moments by tilts under a constant load.
+  Eigen::Matrix2d tilting() const noexcept {
+    const Vector2d moment(pressed.moment[kX], pressed.moment[kY]);
+    return moment_by_tilt - moment * force_by_tilt.transpose() / pressed.force;
+  }
+  /// @param moment  about the centre of pressure that faces kept parallel have
+  PadMotion motion(double force, const Vector2d& moment) const noexcept {
+    PadMotion motion;
+    motion.tilt_rad = tilting().inverse() * moment;
+    motion.approach_m = (force - force_by_tilt.dot(motion.tilt_rad)) / pressed.force;
+    return motion;
+  }
+
+  PadResultants<double> pressed;
+  Vector2d force_by_tilt = Vector2d::Zero();
+  Eigen::Matrix2d moment_by_tilt = Eigen::Matrix2d::Zero();
+};
+
+/// The rim where a plain column's pressure vanishes first: p ~ d + tilt · r. 1: just there.
+double rim_utilisation(const ConvexOutline& outline, const PadMotion& motion) noexcept {
+  double least = 0;
+  for (const Vector2d& vertex : outline.vertices_m())
+    least = std::min(least, motion.tilt_rad.dot(vertex - outline.centroid_m()));
+  return motion.approach_m > 0 ? -least / motion.approach_m : kInfinity;
+}
+
+/// Pressure over E/h at a point by its rows of the three sources.
+double pressure_of(const PadShape& shape, const PadLaw<double>& law, const PadMotion& motion,
+                   const Vector2d& from_centroid_m,
+                   const std::array<const PadShape::Row*, PadShape::kSources>& rows) noexcept {
+  const PadShape::Sums& one = shape.sums(PadShape::constant);
+  const auto layer = [&](PadShape::Source source) {
+    return rows[source] ? law.layer_sum(shape.sums(source), *rows[source]) : 0;
+  };
+  const double rim = law.rim_sum(one, one.integral) / shape.outline().area_m2() -
+                     (rows[PadShape::constant] ? law.rim_sum(one, *rows[PadShape::constant]) : 0);
+  return motion.approach_m * (1 + law.excess_uniform +
+                              law.excess_layer * layer(PadShape::constant) + law.rim * rim) +
+         (1 + law.tilt_uniform) * motion.tilt_rad.dot(from_centroid_m) +
+         law.tilt_layer * (motion.tilt_rad.x() * layer(PadShape::linear_x) +
+                           motion.tilt_rad.y() * layer(PadShape::linear_y));
+}
+
+/// Both pressings of one problem: as pressed, and frictionless, which the largest torque follows.
+struct PadLaws {
+  PadLaw<double> pressed, slipping;
+};
+
+/// tanh(z)/z
+double tanh_ratio(double z) noexcept { return z > 1e-4 ? std::tanh(z) / z : 1 - z * z / 3; }
+
+class LayerPadModel final : public PadModel {
+ public:
+  LayerPadModel(const ModelCard& card, bool is_uniform) : card_(card), is_uniform_(is_uniform) {}
+  const ModelCard& card() const noexcept override { return card_; }
+
+  PadPrediction predict(const PadProblem& problem) const noexcept override;
+  PadGradient gradient(const PadProblem& problem) const noexcept override;
+  double pressure_Pa(const PadProblem& problem, const Vector2d& point_m) const noexcept override;
+  std::vector<PressureSample> slipping_pressure(const PadProblem& problem) const override;
+
+ private:
+  template <class T>
+  PadLaw<T> law(const PadShape& shape, PadLayer<T> layer, PadPressing pressing) const noexcept {
+    if (is_uniform_) return pads::uniform_law<T>();
+    const bool is_midplane = pressing == PadPressing::frictionless;
+    if (is_midplane) layer.thickness_m = 2 * layer.thickness_m;
+    return pads::pad_law(shape, layer, is_midplane);
+  }
+  PadLaw<double> law(const PadProblem& problem, PadPressing pressing) const noexcept {
+    const ElasticLayer& layer = problem.layer;
+    return law<double>(*problem.shape,
+                       {layer.youngs_modulus_Pa, layer.poisson_ratio, layer.thickness_m}, pressing);
+  }
+  PadMotion motion(const PadProblem& problem, const PadStiffness& stiffness) const noexcept;
+
+  ModelCard card_;
+  bool is_uniform_;
+};
+
+double foundation(const ElasticLayer& layer) noexcept {
+  return layer.youngs_modulus_Pa / layer.thickness_m;
+}
+
+PadMotion LayerPadModel::motion(const PadProblem& problem,
+                                const PadStiffness& stiffness) const noexcept {
+  const double force = problem.load.normal_force_N / foundation(problem.layer);
+  if (!problem.load_at_m) return stiffness.motion(force, Vector2d::Zero());
+  const Vector2d middle(stiffness.pressed.centre(kX), stiffness.pressed.centre(kY));
+  return stiffness.motion(
+      force, force * (*problem.load_at_m - problem.shape->outline().centroid_m() - middle));
+}
+
+/// int p |r - centre| dA / int p dA by the samples.
+double sampled_arm(const PadShape& shape, const PadLaw<double>& law,
+                   const PadMotion& motion) noexcept {
+  const PadShape::Samples& samples = shape.samples();
+  double force = 0, radius = 0;
+  Vector2d moment = Vector2d::Zero();
+  PadShape::Row rows[PadShape::kSources];
+  const auto pressure = [&](std::size_t i) {
+    for (int s = 0; s < PadShape::kSources; ++s)
+      for (int mode = 0; mode < PadShape::kMostModes; ++mode)
+        rows[s][std::size_t(mode)] = samples.modes[std::size_t(s)](Eigen::Index(i), mode);
+    return samples.areas_m2[i] * std::max(0.0, pressure_of(shape, law, motion, samples.points_m[i],
+                                                           {&rows[0], &rows[1], &rows[2]}));
+  };
+  for (std::size_t i = 0; i < samples.points_m.size(); ++i) {
+    const double part = pressure(i);
+    force += part;
+    moment += part * samples.points_m[i];
+  }
+  for (std::size_t i = 0; i < samples.points_m.size(); ++i)
+    radius += pressure(i) * (samples.points_m[i] - moment / force).norm();
+  return radius / force;
+}
+
+PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
+  const PadShape& shape = *problem.shape;
+  const ConvexOutline& outline = shape.outline();
+  const ElasticLayer& layer = problem.layer;
+  PadPrediction result;
+  const double wide = shape.size_m() / layer.thickness_m;
+  result.validity.add({"width_over_thickness", wide, pads::kLeastWidth, false,
+                       "the pad is thicker than its closed form was fitted to: it bends and bulges "
+                       "as a column does; ask finite elements"});
+  constexpr double kWidest = 1e4, kNarrowest = 1e-3;
+  if (!(wide > kNarrowest && wide < kWidest)) return result;
+
+  const PadLaw<double> pressed_law = law(problem, problem.pressing);
+  const PadStiffness stiffness(shape, pressed_law);
+  const PadMotion motion = this->motion(problem, stiffness);
+  const double per_length = foundation(layer), load_N = problem.load.normal_force_N;
+  result.indentation_m = motion.approach_m;
+  result.normal_stiffness_N_per_m = per_length * stiffness.pressed.force;
+  const Vector2d centre = problem.load_at_m
+                              ? *problem.load_at_m
+                              : outline.centroid_m() + Vector2d(stiffness.pressed.centre(kX),
+                                                                stiffness.pressed.centre(kY));
+  result.centre_x_m = centre.x();
+  result.centre_y_m = centre.y();
+  result.tilt_rad = {motion.tilt_rad.y(), motion.tilt_rad.x()};
+
+  const PadShape::Sums &one = shape.sums(PadShape::constant),
+                       &by_x = shape.sums(PadShape::linear_x),
+                       &by_y = shape.sums(PadShape::linear_y);
+  const int probes = problem.load_at_m ? PadShape::kProbes : PadShape::kCentricProbes;
+  for (std::size_t i = 0; i < std::size_t(probes); ++i)
+    result.peak_pressure_Pa = std::max(
+        result.peak_pressure_Pa,
+        per_length * pressure_of(shape, pressed_law, motion, shape.probes_m()[i],
+                                 {&one.at_probe[i], &by_x.at_probe[i], &by_y.at_probe[i]}));
+
+  const PadLaw<double> slipping_law = law(problem, PadPressing::frictionless);
+  if (problem.load_at_m) {
+    const PadStiffness slipping(shape, slipping_law);
+    result.pressure_arm_m = sampled_arm(shape, pressed_law, motion);
+    result.eccentricity_m = problem.pressing == PadPressing::frictionless
+                                ? result.pressure_arm_m
+                                : sampled_arm(shape, slipping_law, this->motion(problem, slipping));
+  } else {
+    result.pressure_arm_m = stiffness.pressed.arm();
+    result.eccentricity_m = problem.pressing == PadPressing::frictionless
+                                ? result.pressure_arm_m
+                                : pressing_resultants(shape, slipping_law).arm();
+  }
+
+  const Eigen::Matrix2d tilting = stiffness.tilting();
+  result.tilt_stiffness_Nm_per_rad = {per_length * tilting(1, 1), per_length * tilting(0, 0)};
+  const bool is_frictionless = problem.pressing == PadPressing::frictionless;
+  const Vector2d half_m = outline.extent_m() / 2;
+  const auto lift = [&](double half_extent_m) {
+    return is_uniform_
+               ? 1
+               : pads::lift_off_factor(shape.size_m(), half_extent_m, layer, is_frictionless);
+  };
+  const double force = load_N / per_length;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    // Eccentricity of one size, to either side.
+    const double eccentricity_m = shape.size_m();
+    const Vector2d moment =
+        force * eccentricity_m * (axis == 0 ? Vector2d::UnitY() : Vector2d::UnitX());
+    const double used = std::max(rim_utilisation(outline, stiffness.motion(force, moment)),
+                                 rim_utilisation(outline, stiffness.motion(force, -moment)));
+    result.tilt_limit_Nm[axis] =
+        lift(axis == 0 ? half_m.y() : half_m.x()) * load_N * eccentricity_m / used;
+  }
+  if (problem.load_at_m) {
+    // Between the axes the factor is that of the direction's share.
+    const Vector2d off = (*problem.load_at_m - outline.centroid_m()).cwiseAbs();
+    const double along_m = off.sum() > 0 ? off.dot(half_m) / off.sum() : half_m.sum() / 2;
+    result.tilt_utilisation = rim_utilisation(outline, motion) / lift(along_m);
+  }
+
+  const double shear_Pa = layer.shear_modulus_Pa(), h = layer.thickness_m;
+  const Eigen::Matrix2d& second = outline.second_moments_m4();
+  const double plain = second.trace(), free_to_warp = shape.torsion_constant_m4();
+  result.torsional_stiffness_Nm_per_rad =
+      shear_Pa / h *
+      (free_to_warp + (plain - free_to_warp) * tanh_ratio(pads::kWarping * h / shape.size_m()));
+  // The free sides carry no shear: a part of the thickness is lost around the rim.
+  const double narrow = h / std::sqrt(outline.area_m2() / kPi);
+  const double lost = (0.205 - 0.18 * layer.poisson_ratio) * narrow / (1 + 2.25 * narrow * narrow);
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    result.tangential_stiffness_N_per_m[axis] =
+        1 / (h / (shear_Pa * outline.area_m2()) * (1 + lost) +
+             h * h * h / (12 * layer.youngs_modulus_Pa * second(int(axis), int(axis))));
+
+  constexpr double kLargestStrain = 0.1;
+  result.validity.add({"strain", motion.approach_m / h, kLargestStrain, true,
+                       "the pad is compressed by more than a tenth: rubber stiffens, and linear "
+                       "theory does not"});
+  result.validity.add({"tilt_utilisation", result.tilt_utilisation, 1, true,
+                       "the load lies so far outside of the middle that the rim lifts off: press "
+                       "nearer to the middle"});
+  if (is_uniform_)
+    result.validity.add({"poisson_ratio", layer.poisson_ratio, 0, true,
+                         "uniform pressure is exact for nu = 0 only: rubber presses harder in the "
+                         "middle of a pad"});
+  result.has_answer = true;
+  for (const double number :
+       {result.indentation_m, result.normal_stiffness_N_per_m, result.peak_pressure_Pa,
+        result.pressure_arm_m, result.eccentricity_m, result.tilt_stiffness_Nm_per_rad[0],
+        result.tilt_stiffness_Nm_per_rad[1], result.tilt_limit_Nm[0], result.tilt_limit_Nm[1],
+        result.tilt_rad[0], result.tilt_rad[1], result.torsional_stiffness_Nm_per_rad,
+        result.tangential_stiffness_N_per_m[0], result.tangential_stiffness_N_per_m[1],
+        result.tilt_utilisation})
+    result.has_answer = result.has_answer && std::isfinite(number);
+  if (result.has_answer) return result;
+  PadPrediction none;
+  none.validity = result.validity;
+  none.validity.add({"finite_numbers", 1, 0, true, "a number of the answer is beyond 1e308"});
+  return none;
+}
+
+PadDerivatives derivatives_of(const PadDual& number, double value, double load_N,
+                              double power_of_load) noexcept {
+  return {power_of_load * value / load_N, number.slope[0], number.slope[1], number.slope[2]};
+}
+
+PadGradient LayerPadModel::gradient(const PadProblem& problem) const noexcept {
+  PadGradient gradient;
+  if (problem.load_at_m || !predict(problem).has_answer) return gradient;
+  const ElasticLayer& layer = problem.layer;
+  const PadLayer<PadDual> varied = {PadDual::variable(layer.youngs_modulus_Pa, 0),
+                                    PadDual::variable(layer.poisson_ratio, 1),
+                                    PadDual::variable(layer.thickness_m, 2)};
+  const double load_N = problem.load.normal_force_N, mu = problem.load.friction_coefficient;
+  const auto pressed =
+      pressing_resultants(*problem.shape, law<PadDual>(*problem.shape, varied, problem.pressing));
+  const PadDual slipping_arm =
+      pressing_resultants(*problem.shape,
+                          law<PadDual>(*problem.shape, varied, PadPressing::frictionless))
+          .arm();
+  const PadDual stiffness = varied.youngs_modulus_Pa / varied.thickness_m * pressed.force;
+  const PadDual indentation = load_N / stiffness, arm = pressed.arm(),
+                torque = mu * load_N * slipping_arm;
+  gradient.known = true;
+  gradient.indentation_m = derivatives_of(indentation, indentation.value, load_N, 1);
+  gradient.normal_stiffness_N_per_m = derivatives_of(stiffness, stiffness.value, load_N, 0);
+  gradient.pressure_arm_m = derivatives_of(arm, arm.value, load_N, 0);
+  gradient.eccentricity_m = derivatives_of(slipping_arm, slipping_arm.value, load_N, 0);
+  gradient.max_torque_Nm = derivatives_of(torque, torque.value, load_N, 1);
+  return gradient;
+}
+
+double LayerPadModel::pressure_Pa(const PadProblem& problem,
+                                  const Vector2d& point_m) const noexcept {
+  const PadShape& shape = *problem.shape;
+  if (!shape.outline().contains(point_m)) return 0;
+  const PadLaw<double> law = this->law(problem, problem.pressing);
+  std::array<PadShape::Row, PadShape::kSources> rows;
+  shape.at(point_m, rows);
+  return foundation(problem.layer) *
+         pressure_of(shape, law, motion(problem, PadStiffness(shape, law)),
+                     point_m - shape.outline().centroid_m(), {&rows[0], &rows[1], &rows[2]});
+}
+
+std::vector<PressureSample> LayerPadModel::slipping_pressure(const PadProblem& problem) const {
+  const PadShape& shape = *problem.shape;
+  const PadLaw<double> law = this->law(problem, PadPressing::frictionless);
+  const PadMotion motion = this->motion(problem, PadStiffness(shape, law));
+  const PadShape::Samples& samples = shape.samples();
+  std::vector<PressureSample> result;
+  for (std::size_t i = 0; i < samples.points_m.size(); ++i) {
+    PadShape::Row rows[PadShape::kSources];
+    for (std::size_t s = 0; s < std::size_t(PadShape::kSources); ++s)
+      for (std::size_t mode = 0; mode < rows[s].size(); ++mode)
+        rows[s][mode] = samples.modes[s](Eigen::Index(i), Eigen::Index(mode));
+    const Vector2d point = shape.outline().centroid_m() + samples.points_m[i];
+    result.push_back(
+        {point.x(), point.y(),
+         foundation(problem.layer) * samples.areas_m2[i] *
+             pressure_of(shape, law, motion, samples.points_m[i], {&rows[0], &rows[1], &rows[2]})});
+  }
+  return result;
+}
+
+constexpr const char* kPadSource =
+    "equation: Gent and Lindley, Proc. IMechE 173 (1959) 111, and its compressible form; "
+    "corrections fitted to finite elements of this project";
+
+}  // namespace
+
+void PadModel::predict_batch(const PadShape& shape, PadPressing pressing, const PadBatch& batch,
+                             PadPrediction* predictions) const noexcept {
+  PadProblem problem;
+  problem.shape = &shape;
+  problem.pressing = pressing;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    problem.load.normal_force_N = batch.normal_force_N[i];
+    problem.layer = {batch.thickness_m[i], batch.youngs_modulus_Pa[i], batch.poisson_ratio[i]};
+    predictions[i] = predict(problem);
+  }
+}
+
+const std::vector<const PadModel*>& all_pad_models() {
+  static const LayerPadModel layer = [] {
+    ModelCard card;
+    card.name = "pad_layer";
+    card.title = "flat pad on a rigid backing, of any convex outline, thickness and nu";
+    card.assumptions =
+        "A flat face covers a flat pad whose side walls are free. Columns of the pad press as they "
+        "are compressed, and by the shear that their sideways bulging meets.";
+    card.equations =
+        "p = (E d/h) (1 + C + G b U + c (psi - mean psi)), k² U - lap U = 1, U = 0 on the outline, "
+        "b = 6/((1 + nu) H²), k² = 3 (1 - 2 nu)/(nu² H²); H = h on a stuck face, 2 h on a "
+        "frictionless one. C, G, c: fitted. Tilting: source x for 1. Largest torque: mu P times "
+        "the "
+        "arm of frictionless pressing";
+    card.source = kPadSource;
+    card.validity =
+        "size over thickness (area over half the perimeter, over h) from 0.45 to 16, strain to "
+        "0.1, and no lift-off";
+    card.cost = "about 1 microsecond; once per outline some ten milliseconds";
+    return LayerPadModel(card, false);
+  }();
+  static const LayerPadModel uniform = [] {
+    ModelCard card;
+    card.name = "pad_uniform";
+    card.title = "uniform pressure of a flat pad";
+    card.assumptions = "The pad is a bundle of columns that do not touch each other.";
+    card.equations = "p = P/A = E d/h; arm int r dA/A";
+    card.source = "exact at nu = 0";
+    card.validity = "nu = 0, or a rough torque: up to a fifth too large for thin rubber pads";
+    card.cost = "about 1 microsecond; once per outline some ten milliseconds";
+    return LayerPadModel(card, true);
+  }();
+  static const std::vector<const PadModel*> models = {&layer, &uniform};
+  return models;
+}
+
+const PadModel* find_pad_model(std::string_view name) {
+  for (const PadModel* model : all_pad_models())
+    if (model->card().name == name) return model;
+  return nullptr;
+}
+
+}  // namespace softfinger

@@ -1,0 +1,283 @@
+#include "comparisons/commands/predict_pad.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "comparisons/commands/answer_lines.h"
+#include "comparisons/exporting/mujoco_friction.h"
+#include "comparisons/input/layer_json.h"
+#include "comparisons/judgement/input_doubt.h"
+#include "comparisons/prediction/answer_text.h"
+#include "comparisons/prediction/pad_answer.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/terminal.h"
+#include "comparisons/text/json_text.h"
+#include "comparisons/text/percent.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::commands {
+namespace {
+
+using input::PadPair;
+using prediction::PadAnswer;
+
+const PadPair& pads_of(const input::Case& contact_case) {
+  return std::get<PadPair>(contact_case.geometry);
+}
+
+PadAnswer asked_again(const PadAnswer& answer, const input::Case& contact_case,
+                      const PadShape& shape, double load_N) {
+  return prediction::ask_pad_model(*answer.model, contact_case, shape, load_N, {}, 0);
+}
+
+/// Changes by the case's own doubts, each at both bounds; see judgement::DoubtedCases.
+std::optional<judgement::InputDoubt> pad_doubt(const input::Case& contact_case,
+                                               const PadAnswer& answer, std::size_t load) {
+  if (contact_case.doubts.empty() || !answer.prediction.has_answer) return std::nullopt;
+  const auto numbers_of = [](const PadAnswer& of) -> std::array<double, 5> {
+    return {of.prediction.indentation_m, of.problem.shape->outline().area_m2(),
+            of.prediction.peak_pressure_Pa, of.friction_ellipsoid().max_torque_Nm(),
+            of.prediction.eccentricity_m};
+  };
+  constexpr std::size_t kTorque = 3;
+  const auto here = numbers_of(answer);
+  std::array<double, 5> sum{};
+  double down = 0, up = 0;
+  for (const input::Doubt& doubt : contact_case.doubts) {
+    std::array<double, 5> largest{};
+    double lower = 0, upper = 0;
+    bool any = false;
+    std::optional<InputError> refusal;
+    for (const double value : {doubt.lower, doubt.upper}) {
+      try {
+        const input::Case moved = with_value(contact_case, doubt, value);
+        const PadShape shape(pads_of(moved).contact);
+        const auto there = numbers_of(asked_again(answer, moved, shape, moved.loads_N[load]));
+        for (std::size_t n = 0; n < there.size(); ++n)
+          largest[n] = std::max(largest[n], std::abs(there[n] / here[n] - 1));
+        const double factor = std::log(there[kTorque] / here[kTorque]);
+        lower = std::max(lower, -factor);
+        upper = std::max(upper, factor);
+        any = true;
+      } catch (const InputError& error) {
+        refusal = error;
+      }
+    }
+    if (!any) throw *refusal;
+    for (std::size_t n = 0; n < sum.size(); ++n) sum[n] = std::hypot(sum[n], largest[n]);
+    down = std::hypot(down, lower);
+    up = std::hypot(up, upper);
+  }
+  judgement::InputDoubt doubt;
+  doubt.relative = {0, 0, sum[0], sum[1], sum[2], sum[3]};
+  doubt.eccentricity = sum[4];
+  doubt.torque_down = std::expm1(-down);
+  doubt.torque_up = std::expm1(up);
+  return doubt;
+}
+
+std::string bound_words(double bound) { return std::isfinite(bound) ? text::percent(bound) : "?"; }
+
+double four_digits(double value) { return std::stod(fmt::format("{:.4g}", value)); }
+
+std::string pad_answer_line(const PadAnswer* answer, double load_N,
+                            const prediction::Demand& demand,
+                            const std::optional<judgement::InputDoubt>& inputs) {
+  if (!answer) return fmt::format("{:g} N: NO ANSWER by any of these models\n", load_N);
+  const FrictionEllipsoid limit = answer->friction_ellipsoid();
+  const Eigen::Vector2d extent_mm = 1e3 * answer->problem.shape->outline().extent_m();
+  const std::string lines =
+      answer->usable
+          ? "; MuJoCo " + exporting::mujoco_friction(four_digits(limit.max_force_N / load_N),
+                                                     four_digits(limit.max_torque_Nm() / load_N))
+          : "";
+  return fmt::format(
+      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; pad contact {:.3g} x {:.3g} mm; e_n {:.3g} "
+      "mm{}\n",
+      load_N, answer->usable ? "" : "NOT USABLE within " + text::percent(demand.tolerance) + ": ",
+      1e3 * limit.max_torque_Nm(), bound_words(answer->bound_of(prediction::Quantity::max_torque)),
+      in_words(inputs), answer->model->card().name, extent_mm.x(), extent_mm.y(),
+      1e3 * limit.eccentricity_m, lines);
+}
+
+/// "h + 10 %: +0.8 %, nu + 0.005: .., mu + 10 %: +10 %": changes of the largest torque.
+std::string pad_cost_of_inputs(const PadAnswer& answer) {
+  std::string words;
+  const auto add = [&](const char* what, const PadProblem& changed) {
+    const PadPrediction there = answer.model->predict(changed);
+    if (!there.has_answer) return;
+    const double percent =
+        100 * (there.eccentricity_m * changed.load.friction_coefficient /
+                   (answer.prediction.eccentricity_m * answer.problem.load.friction_coefficient) -
+               1);
+    words += fmt::format("{}{}: {:+.1f} %", words.empty() ? "" : ", ", what,
+                         std::abs(percent) < 0.05 ? 0 : percent);
+  };
+  PadProblem thicker = answer.problem, softer = answer.problem, rougher = answer.problem;
+  softer.layer.poisson_ratio = std::max(0.0, softer.layer.poisson_ratio - 0.01);
+  thicker.layer.thickness_m *= 1.1;
+  rougher.load.friction_coefficient *= 1.1;
+  add("h + 10 %", thicker);
+  add("nu - 0.01", softer);
+  add("mu + 10 %", rougher);
+  return words + "; E counts for nothing";
+}
+
+constexpr const char* kPadRow = "  {:<13} {:>7} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8}\n";
+
+std::string three_digits(double value) {
+  return std::abs(value) < 1000 ? fmt::format("{:.3g}", value) : fmt::format("{:.0f}", value);
+}
+
+std::string pad_rows(const std::vector<PadAnswer>& answers, const prediction::Demand& demand) {
+  std::string text, others;
+  for (const PadAnswer& answer : answers) {
+    const PadPrediction& p = answer.prediction;
+    if (!p.has_answer || !answer.usable) {
+      const double worst = answer.bound ? answer.bound_of(prediction::Quantity::max_torque) : kNaN;
+      others += fmt::format(
+          "  {:<13} no, {}\n", answer.model->card().name,
+          answer.bound && worst > demand.tolerance
+              ? fmt::format("its torque may be {} off", bound_words(worst))
+          : answer.bound ? "a demanded quantity is not known to " + text::percent(demand.tolerance)
+                         : answer.evidence);
+      continue;
+    }
+    if (text.empty())
+      text += fmt::format(fmt::runtime(kPadRow), "usable", "d mm", "kPa", "N/mm", "mN·m", "e_n mm",
+                          "pressed±", "torque±");
+    text += fmt::format(
+        fmt::runtime(kPadRow), answer.model->card().name, three_digits(1e3 * p.indentation_m),
+        three_digits(1e-3 * p.peak_pressure_Pa), three_digits(1e-3 * p.normal_stiffness_N_per_m),
+        three_digits(1e3 * answer.friction_ellipsoid().max_torque_Nm()),
+        three_digits(1e3 * p.eccentricity_m),
+        bound_words(answer.bound_of(prediction::Quantity::indentation)),
+        bound_words(answer.bound_of(prediction::Quantity::max_torque)));
+  }
+  return text + others;
+}
+
+/// All that the answers rest on.
+std::string pad_evidence(const PadAnswer& answer) {
+  const PadPrediction& p = answer.prediction;
+  std::string text = fmt::format("  {}: {}\n", answer.model->card().name, answer.evidence);
+  if (!p.has_answer) return text;
+  text += fmt::format(
+      "    arm as pressed {:.4g} mm, at full slip (e_n) {:.4g} mm: a twist lets the radial shear "
+      "go, "
+      "so that the largest torque is that of frictionless pressing\n"
+      "    tilt stiffness about x {:.4g}, about y {:.4g} N·m/rad; without lift-off at most {:.4g} "
+      "and {:.4g} mN·m, which is the load {:.3g} and {:.3g} mm off the middle. Beyond, the rim "
+      "lifts off and the contact shrinks; it tips where the load leaves the outline\n"
+      "    stuck pad: torsional stiffness {:.4g} N·m/rad, tangential {:.4g} and {:.4g} N/mm with "
+      "faces kept parallel\n",
+      1e3 * p.pressure_arm_m, 1e3 * p.eccentricity_m, p.tilt_stiffness_Nm_per_rad[0],
+      p.tilt_stiffness_Nm_per_rad[1], 1e3 * p.tilt_limit_Nm[0], 1e3 * p.tilt_limit_Nm[1],
+      1e3 * p.tilt_limit_Nm[0] / answer.problem.load.normal_force_N,
+      1e3 * p.tilt_limit_Nm[1] / answer.problem.load.normal_force_N,
+      p.torsional_stiffness_Nm_per_rad, 1e-3 * p.tangential_stiffness_N_per_m[0],
+      1e-3 * p.tangential_stiffness_N_per_m[1]);
+  if (answer.bound)
+    text += fmt::format(
+        "    bounds: torque {}, arm as pressed {}, indentation and stiffness {}, peak (within 0.95 "
+        "of the outline) {}, tilt {}\n",
+        bound_words(answer.bound->max_torque), bound_words(answer.bound->pressure_arm),
+        bound_words(answer.bound->indentation), bound_words(answer.bound->peak_pressure),
+        bound_words(answer.bound->tilt_stiffness));
+  for (const ValidityCheck& check : p.validity)
+    if (!check.holds())
+      text += fmt::format("    {} = {:.3g}, limit {:.3g}: {}\n", check.check, check.value,
+                          check.limit, check.message);
+  return text;
+}
+
+std::string pad_surface_text(const nlohmann::json& result) {
+  if (result["limit_surface"].empty()) return "";
+  std::string text = fmt::format(
+      "\nLimit surface, {} at {:g} N: exact for the pad's own pressure; the friction ellipsoid is "
+      "up to {:.1f} % outside of it and {:.1f} % inside\n  {:>12}{:>12}{:>14}\n",
+      result["model"].get<std::string>(), result["load_N"].get<double>(),
+      -100 * result["ellipsoid_deviation"][0].get<double>(),
+      100 * result["ellipsoid_deviation"][1].get<double>(), "fx N", "fy N", "torque mN·m");
+  for (const auto& point : result["limit_surface"])
+    text += fmt::format("  {:>12.5g}{:>12.5g}{:>13.5g}\n", point["fx_N"].get<double>(),
+                        point["fy_N"].get<double>(), 1e3 * point["torque_Nm"].get<double>());
+  return text;
+}
+
+/// Refuses a load that the pad's rim does not bear, with what is allowed.
+void refuse_lift_off(const PadPair& pair, const PadAnswer& answer) {
+  const double used = answer.prediction.tilt_utilisation;
+  if (!pair.load_at_m || !answer.prediction.has_answer || used <= 1) return;
+  const Eigen::Vector2d at_mm = 1e3 * *pair.load_at_m, middle_mm = 1e3 * pair.contact.centroid_m(),
+                        least_mm = middle_mm + (at_mm - middle_mm) / used;
+  throw InputError(pair.load_at_where, "load_at_mm",
+                   fmt::format("[{:.4g}, {:.4g}]", at_mm.x(), at_mm.y()),
+                   fmt::format("to [{:.4g}, {:.4g}] in this direction: beyond, the pad's rim lifts "
+                               "off, and these models keep the whole face in contact",
+                               least_mm.x(), least_mm.y()));
+}
+
+}  // namespace
+
+int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
+  const PadPair& pair = pads_of(contact_case);
+  const auto models = prediction::pad_models_by_name(question.models);
+  const PadShape shape(pair.contact);
+  const double budget_ns = 3e5 / double(models.size() * contact_case.loads_N.size());
+  nlohmann::json results = nlohmann::json::array();
+  std::string first_lines, blocks, surfaces;
+  std::string evidence = prediction::describe(contact_case) + "\n" +
+                         prediction::describe(pair, contact_case.layer) + "\n";
+  for (std::size_t load = 0; load < contact_case.loads_N.size(); ++load) {
+    const double load_N = contact_case.loads_N[load];
+    std::vector<PadAnswer> answers;
+    for (const PadModel* model : models) {
+      answers.push_back(prediction::ask_pad_model(*model, contact_case, shape, load_N,
+                                                  question.demand, budget_ns));
+      if (answers.size() == 1) refuse_lift_off(pair, answers.back());
+    }
+    // The models are in the order of their worth.
+    const auto answered = std::find_if(answers.begin(), answers.end(), [](const PadAnswer& answer) {
+      return answer.prediction.has_answer;
+    });
+    const PadAnswer* first = answered == answers.end() ? nullptr : &*answered;
+    for (const PadAnswer& answer : answers) {
+      results.push_back(to_json(answer, question.limit_surface));
+      results.back()["recommended"] = &answer == first;
+      results.back()["input_doubt"] = to_json(pad_doubt(contact_case, answer, load));
+      if (question.limit_surface > 0) surfaces += pad_surface_text(results.back());
+    }
+    first_lines += pad_answer_line(first, load_N, question.demand,
+                                   first ? pad_doubt(contact_case, *first, load) : std::nullopt);
+    if (contact_case.loads_N.size() > 1) blocks += fmt::format("\n{:g} N\n", load_N);
+    if (first) blocks += "  torque by the inputs: " + pad_cost_of_inputs(*first) + "\n";
+    blocks += pad_rows(answers, question.demand);
+    evidence += fmt::format("\n{:g} N\n", load_N);
+    for (const PadAnswer& answer : answers) evidence += pad_evidence(answer);
+  }
+  if (question.json) {
+    system::write_to_stdout(
+        text::printed({{"case", contact_case.id},
+                       {"layer", input::layer_json(contact_case.layer)},
+                       {"layer_on", "finger"},
+                       {"object_layer", nullptr},
+                       {"power_law_fit", nullptr},
+                       {"shear_law", "coulomb"},
+                       {"friction_coefficient", contact_case.shear_law.friction_coefficient},
+                       {"shear_strength_Pa", nullptr},
+                       {"geometry", nlohmann::json::array()},
+                       {"results", results}}));
+    return 0;
+  }
+  system::write_text_to_stdout(system::within_terminal(
+      first_lines + blocks + (question.explain ? "\n" + evidence : "") + surfaces));
+  return 0;
+}
+
+}  // namespace softfinger::commands

@@ -1,0 +1,259 @@
+#include "comparisons/prediction/pad_answer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "comparisons/prediction/answer_json.h"
+#include "comparisons/text/json_text.h"
+#include "comparisons/text/nearest_name.h"
+#include "softfinger/input/errors.h"
+
+namespace softfinger::prediction {
+namespace {
+
+/// Evenly spread twists about a centre, for a contact of arm e: speed and e omega together are 1.
+std::vector<Twist> spread_twists(double arm_m, int count) {
+  const double golden_angle = kPi * (3 - std::sqrt(5.0));
+  std::vector<Twist> twists;
+  for (int i = 0; i < count; ++i) {
+    const double height = 1 - (2 * i + 1.0) / count;
+    const double speed = std::sqrt(1 - height * height);
+    twists.push_back(
+        {speed * std::cos(golden_angle * i), speed * std::sin(golden_angle * i), height / arm_m});
+  }
+  return twists;
+}
+
+/// The friction that sticks a face from rim to rim, from rows of finite elements: 0.33 at nu = 0.3,
+/// 0.87 at 0.49. Below, stiffness and pressure lie between those of both pressings.
+double friction_that_sticks(double poisson_ratio) {
+  return std::max(0.2, 0.33 + 2.85 * (poisson_ratio - 0.3));
+}
+
+/// Share of the pad's face below which an object's edge within it counts.
+constexpr double kCovered = 0.98;
+
+double median_cost_ns(const PadModel& model, const PadProblem& problem, double budget_ns) {
+  using Clock = std::chrono::steady_clock;
+  std::vector<double> times;
+  double spent = 0;
+  while (times.empty() || (spent < budget_ns && times.size() < 1000)) {
+    const auto start = Clock::now();
+    model.predict(problem);
+    times.push_back(std::chrono::duration<double, std::nano>(Clock::now() - start).count());
+    spent += times.back();
+  }
+  std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
+  return times[times.size() / 2];
+}
+
+nlohmann::json bound_json(const PadAnswer& answer) {
+  if (!answer.bound) return nullptr;
+  const PadErrors& bound = *answer.bound;
+  return {{"a", nullptr},
+          {"b", nullptr},
+          {"area", 0},
+          {"indentation", text::finite_or_null(bound.indentation)},
+          {"peak_pressure", text::finite_or_null(bound.peak_pressure)},
+          {"max_torque", text::finite_or_null(bound.max_torque)},
+          {"pressure_arm", text::finite_or_null(bound.pressure_arm)},
+          {"normal_stiffness", text::finite_or_null(bound.indentation)},
+          {"tilt_stiffness", text::finite_or_null(bound.tilt_stiffness)},
+          {"tangential_stiffness", text::finite_or_null(bound.tangential_stiffness)},
+          {"torsional_stiffness", text::finite_or_null(bound.torsional_stiffness)}};
+}
+
+/// A bound, or why there is none.
+void assess_pad(const input::PadPair& pair, const Demand& demand, PadAnswer& answer) {
+  if (answer.prediction.has_answer) answer.bound = pad_error_bound(*answer.model, answer.problem);
+  answer.evidence =
+      answer.model->card().name == "pad_uniform"
+          ? "its distance from pad_layer, and pad_layer's own bound"
+          : "95 % of finite-element runs of whole pads (linear) that pad_layer was not fitted to";
+  if (pair.covered < kCovered) {
+    answer.bound.reset();
+    answer.prediction.validity.add(
+        {"covered", pair.covered, kCovered, false,
+         "the object's face ends within the pad: its edge presses into the rubber beside it, which "
+         "these models do not know"});
+  }
+  if (!answer.bound) {
+    answer.evidence = "no bound is known";
+    for (const ValidityCheck& check : answer.prediction.validity)
+      if (!check.holds() && std::string(check.check) != "poisson_ratio")
+        answer.evidence = std::string("no bound is known: ") + check.message;
+  }
+  const double needed = friction_that_sticks(answer.problem.layer.poisson_ratio);
+  const double mu = answer.problem.load.friction_coefficient;
+  if (answer.problem.pressing == PadPressing::stuck && mu < needed) {
+    answer.prediction.validity.add(
+        {"friction_sticks", mu, needed, false,
+         "with so little friction the rim slips while it is pressed: indentation, stiffness and "
+         "pressure lie between those of pressing = \"stuck\" and \"frictionless\"; the largest "
+         "torque is the same"});
+    if (answer.bound) {
+      answer.bound->indentation = answer.bound->peak_pressure = answer.bound->pressure_arm =
+          answer.bound->tilt_stiffness = kNaN;
+      answer.evidence +=
+          "; the friction does not hold the rim, so that only the torque's bound is known";
+    }
+  }
+  double worst = 0;
+  for (std::size_t q = 0; q < kQuantities; ++q)
+    if (demand.quantities[q]) worst = std::max(worst, answer.bound_of(Quantity(q)));
+  answer.usable = answer.bound && worst <= demand.tolerance;
+}
+
+}  // namespace
+
+double PadAnswer::bound_of(Quantity quantity) const {
+  if (!bound) return kInfinity;
+  const auto known = [](double error) { return std::isfinite(error) ? error : kInfinity; };
+  if (quantity == Quantity::indentation) return known(bound->indentation);
+  if (quantity == Quantity::peak_pressure) return known(bound->peak_pressure);
+  if (quantity == Quantity::max_torque) return known(bound->max_torque);
+  return 0;
+}
+
+std::vector<const PadModel*> pad_models_by_name(const std::string& names) {
+  if (names == "all" || names == "everything") return all_pad_models();
+  std::vector<std::string> known;
+  for (const PadModel* model : all_pad_models()) known.emplace_back(model->card().name);
+  std::vector<const PadModel*> models;
+  for (std::size_t start = 0; start <= names.size();) {
+    const std::size_t end = std::min(names.find(',', start), names.size());
+    const std::string name = names.substr(start, end - start);
+    const PadModel* model = find_pad_model(name);
+    if (!model)
+      throw InputError("command line",
+                       "--model: \"" + text::shortened(name) + "\" is no model of flat pads", "",
+                       text::joined(known) + ", all");
+    if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
+    start = end + 1;
+  }
+  return models;
+}
+
+PadAnswer ask_pad_model(const PadModel& model, const input::Case& contact_case,
+                        const PadShape& shape, double load_N, const Demand& demand,
+                        double budget_ns) {
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  PadAnswer answer;
+  answer.model = &model;
+  answer.problem = {&shape,
+                    contact_case.layer,
+                    {load_N, contact_case.shear_law.friction_coefficient},
+                    pair.pressing,
+                    pair.load_at_m};
+  answer.prediction = model.predict(answer.problem);
+  answer.cost_ns = median_cost_ns(model, answer.problem, budget_ns);
+  assess_pad(pair, demand, answer);
+  return answer;
+}
+
+SampledPressure limit_surface_of(const PadAnswer& answer) {
+  const auto samples = answer.model->slipping_pressure(answer.problem);
+  const double area_m2 = answer.problem.shape->outline().area_m2() / double(samples.size());
+  return {samples, answer.problem.load.friction_coefficient, std::sqrt(area_m2 / kPi)};
+}
+
+PadEllipsoidDeviation ellipsoid_deviation_of(const PadAnswer& answer,
+                                             const SampledPressure& surface) {
+  constexpr int kTwists = 800;
+  const FrictionEllipsoid ellipsoid = answer.friction_ellipsoid();
+  PadEllipsoidDeviation deviation;
+  for (const Twist& twist : spread_twists(ellipsoid.eccentricity_m, kTwists)) {
+    const LimitWrench wrench = surface.wrench_for_twist(twist);
+    const double apart =
+        ellipsoid.utilisation(wrench.force_x_N, wrench.force_y_N, wrench.torque_Nm) - 1;
+    deviation.lowest = std::min(deviation.lowest, apart);
+    deviation.highest = std::max(deviation.highest, apart);
+  }
+  return deviation;
+}
+
+nlohmann::json to_json(const PadAnswer& answer, int limit_surface_points) {
+  const PadPrediction& p = answer.prediction;
+  const ConvexOutline& outline = answer.problem.shape->outline();
+  const FrictionEllipsoid limit = answer.friction_ellipsoid();
+  const auto number = [&](double value) {
+    return p.has_answer ? text::finite_or_null(value) : nlohmann::json();
+  };
+  const auto pair = [&](const std::array<double, 2>& values) {
+    return nlohmann::json{number(values[0]), number(values[1])};
+  };
+  nlohmann::json points = nlohmann::json::array();
+  for (const Eigen::Vector2d& vertex : outline.vertices_m())
+    points.push_back({vertex.x(), vertex.y()});
+  nlohmann::json result = {
+      {"load_N", answer.problem.load.normal_force_N},
+      {"model", answer.model->card().name},
+      {"contact", "patch"},
+      {"a_m", nullptr},
+      {"b_m", nullptr},
+      {"axis_rad", nullptr},
+      {"area_m2", outline.area_m2()},
+      {"area_projected_m2", outline.area_m2()},
+      {"outline_m", points},
+      {"shape_factor",
+       outline.area_m2() / outline.perimeter_m() / answer.problem.layer.thickness_m},
+      {"pressing", answer.problem.pressing == PadPressing::stuck ? "stuck" : "frictionless"},
+      {"indentation_m", number(p.indentation_m)},
+      {"normal_stiffness_N_per_m", number(p.normal_stiffness_N_per_m)},
+      {"peak_pressure_Pa", number(p.peak_pressure_Pa)},
+      {"centre_of_pressure_m", {number(p.centre_x_m), number(p.centre_y_m)}},
+      {"pressure_arm_m", number(p.pressure_arm_m)},
+      {"eccentricity_m", number(p.eccentricity_m)},
+      {"shear_law", "coulomb"},
+      {"max_force_N", number(limit.max_force_N)},
+      {"max_torque_Nm", number(limit.max_torque_Nm())},
+      {"torque_rule", "exact"},
+      {"tilt_limit_Nm", pair(p.tilt_limit_Nm)},
+      {"tilt_utilisation", number(p.tilt_utilisation)},
+      {"tilt_rad", pair(p.tilt_rad)},
+      {"tilt_stiffness_Nm_per_rad", pair(p.tilt_stiffness_Nm_per_rad)},
+      {"torsional_stiffness_Nm_per_rad", number(p.torsional_stiffness_Nm_per_rad)},
+      {"tangential_stiffness_N_per_m", pair(p.tangential_stiffness_N_per_m)},
+      {"rolling_stiffness_Nm_per_rad", {nullptr, nullptr}},
+      {"valid", answer.usable},
+      {"validity", to_json(p.validity)},
+      {"usable", answer.usable},
+      {"error_bound", bound_json(answer)},
+      {"error_evidence", answer.evidence},
+      {"geometry_error", nullptr},
+      {"cost_ns", answer.cost_ns}};
+  if (limit_surface_points <= 0) return result;
+  nlohmann::json& surface_points = result["limit_surface"] = nlohmann::json::array();
+  result["limit_surface_model"] = result["ellipsoid_deviation"] = nullptr;
+  if (!p.has_answer || !(limit.max_torque_Nm() > 0)) return result;
+  const SampledPressure surface = limit_surface_of(answer);
+  const PadEllipsoidDeviation deviation = ellipsoid_deviation_of(answer, surface);
+  result["limit_surface_model"] = "exact";
+  result["ellipsoid_deviation"] = {deviation.lowest, deviation.highest};
+  for (const Twist& twist : spread_twists(limit.eccentricity_m, limit_surface_points)) {
+    const LimitWrench point = surface.wrench_for_twist(twist);
+    surface_points.push_back(
+        {{"fx_N", point.force_x_N}, {"fy_N", point.force_y_N}, {"torque_Nm", point.torque_Nm}});
+  }
+  return result;
+}
+
+std::string describe(const input::PadPair& pair, const ElasticLayer& layer) {
+  const ConvexOutline& contact = pair.contact;
+  const Eigen::Vector2d extent_mm = 1e3 * contact.extent_m();
+  std::string words = fmt::format(
+      "flat pad, contact {:.4g} x {:.4g} mm of {:.4g} mm², shape factor S = area/(perimeter h) = "
+      "{:.3g}, pressed {}",
+      extent_mm.x(), extent_mm.y(), 1e6 * contact.area_m2(),
+      contact.area_m2() / contact.perimeter_m() / layer.thickness_m,
+      pair.pressing == PadPressing::stuck ? "stuck" : "without friction");
+  if (pair.covered < 1)
+    words += fmt::format("; the object's face covers {:.0f} % of the pad", 100 * pair.covered);
+  return words;
+}
+
+}  // namespace softfinger::prediction

@@ -1,0 +1,283 @@
+// Flat pads as a user sees them: softfinger predict and export, and what refuses them.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "tests/comparisons/run_program.h"
+
+namespace softfinger::tests {
+using nlohmann::json;
+
+class FlatPad : public testing::Test {
+ protected:
+  TemporaryFolder folder;
+  Start start{folder.path(), {}, -1, "", ""};
+
+  static std::string pad_text(const std::string& finger = "{ pad_mm = [22, 37.5] }",
+                              const std::string& object = "{ flat = true }",
+                              const std::string& contact = "", const std::string& thickness = "3") {
+    return "id = \"my_pad\"\n[geometry]\nfinger = " + finger + "\nobject = " + object +
+           "\n[layer]\nthickness_mm = " + thickness +
+           "\nyoungs_modulus_kPa = 800\npoisson_ratio = 0.49\n[contact]\nload_N = 20\n"
+           "friction_coefficient = 0.9\n" +
+           contact;
+  }
+  ProgramRun predict(const std::string& text, const std::vector<std::string>& more = {}) {
+    folder.write("pad.toml", text);
+    std::vector<std::string> arguments = {"predict", "pad.toml"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_softfinger(start, arguments);
+  }
+  json answers(const std::string& text, std::vector<std::string> more = {}) {
+    more.emplace_back("--json");
+    const ProgramRun run = predict(text, more);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return json::parse(run.out)["results"];
+  }
+  void expect_refusal(const ProgramRun& run, const std::string& words) {
+    EXPECT_EQ(run.status, 2) << run.out;
+    EXPECT_EQ(run.out, "");
+    EXPECT_EQ(lines(run.err).size(), 1u) << run.err;
+    EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
+  }
+};
+
+TEST_F(FlatPad, AnswersFirstAndWithEveryKey) {
+  const ProgramRun run = predict(pad_text());
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.out.rfind("20 N: torque ", 0), 0u) << run.out;
+  for (const char* words : {"by pad_layer", "pad contact 22 x 37.5 mm", "e_n ", "MuJoCo friction="})
+    EXPECT_NE(lines(run.out)[0].find(words), std::string::npos) << run.out;
+  const json results = answers(pad_text());
+  ASSERT_EQ(results.size(), 2u);
+  for (const json& result : results) {
+    EXPECT_EQ(result["contact"], "patch");
+    EXPECT_TRUE(result["a_m"].is_null());
+    EXPECT_TRUE(result["b_m"].is_null());
+    EXPECT_NEAR(result["area_m2"].get<double>(), 22e-3 * 37.5e-3, 1e-12);
+    EXPECT_EQ(result["outline_m"].size(), 4u);
+    for (const char* key :
+         {"indentation_m", "normal_stiffness_N_per_m", "peak_pressure_Pa", "pressure_arm_m",
+          "eccentricity_m", "max_torque_Nm", "torsional_stiffness_Nm_per_rad", "cost_ns"})
+      EXPECT_GT(result[key].get<double>(), 0) << key;
+    for (const char* key :
+         {"tilt_limit_Nm", "tilt_stiffness_Nm_per_rad", "tangential_stiffness_N_per_m"})
+      for (int axis = 0; axis < 2; ++axis) EXPECT_GT(result[key][axis].get<double>(), 0) << key;
+    for (const char* key : {"model", "valid", "validity", "usable", "error_bound", "error_evidence",
+                            "recommended", "input_doubt"})
+      EXPECT_TRUE(result.contains(key)) << key;
+    // The largest torque is mu P e_n.
+    EXPECT_NEAR(result["max_torque_Nm"].get<double>(),
+                0.9 * 20 * result["eccentricity_m"].get<double>(), 1e-15);
+  }
+  EXPECT_EQ(results[0]["model"], "pad_layer");
+  EXPECT_TRUE(results[0]["recommended"]);
+  EXPECT_TRUE(results[0]["usable"]);
+  // The arm of uniform pressure on the rectangle, int r dA/A.
+  EXPECT_EQ(results[1]["model"], "pad_uniform");
+  EXPECT_NEAR(results[1]["eccentricity_m"].get<double>(), 11.62e-3, 0.005e-3);
+  EXPECT_FALSE(results[1]["usable"]) << "it is 17 % too large";
+  EXPECT_NE(predict(pad_text(), {"--explain"}).out.find("shape factor S"), std::string::npos);
+}
+
+TEST_F(FlatPad, TakesNumbersInPlaceOfACase) {
+  const std::vector<std::string> rest = {
+      "--thickness-mm", "3",  "--youngs-modulus-kPa", "800", "--poisson-ratio", "0.49",
+      "--load",         "20", "--friction",           "0.9", "--json"};
+  std::vector<std::string> arguments = {"predict", "--pad-mm", "22,37.5"};
+  arguments.insert(arguments.end(), rest.begin(), rest.end());
+  const ProgramRun run = run_softfinger(start, arguments);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(json::parse(run.out)["results"][0]["eccentricity_m"],
+            answers(pad_text())[0]["eccentricity_m"]);
+  arguments[1] = "--pad-diameter-mm";
+  arguments[2] = "20";
+  const ProgramRun round = run_softfinger(start, arguments);
+  ASSERT_EQ(round.status, 0) << round.err;
+  EXPECT_NEAR(json::parse(round.out)["results"][0]["area_m2"].get<double>(), M_PI * 1e-4, 1e-12);
+  arguments.insert(arguments.end(), {"--radii-mm", "5"});
+  expect_refusal(run_softfinger(start, arguments), "one of them");
+}
+
+TEST_F(FlatPad, TouchesWherePadAndFaceOverlap) {
+  // A face of 10 mm across the pad, turned by a right angle: 22 x 10 mm.
+  const json crossed =
+      answers(pad_text("{ pad_mm = [22, 37.5] }", "{ face_mm = [10, 50], angle_deg = 90 }"))[0];
+  EXPECT_NEAR(crossed["area_m2"].get<double>(), 220e-6, 1e-10);
+  EXPECT_FALSE(crossed["usable"]) << "the face's edge presses into the pad";
+  EXPECT_TRUE(crossed["error_bound"].is_null());
+  // The fillet of the pad's edge does not touch.
+  const json filleted = answers(pad_text("{ pad_mm = [22, 37.5], edge_radius_mm = 0.5 }"))[0];
+  EXPECT_NEAR(filleted["area_m2"].get<double>(), 21e-3 * 36.5e-3, 1e-12);
+  // A face that covers the pad counts as a plane.
+  const json covered = answers(pad_text("{ pad_diameter_mm = 20 }", "{ face_mm = [30, 30] }"))[0];
+  EXPECT_TRUE(covered["usable"]);
+  EXPECT_NEAR(covered["eccentricity_m"].get<double>(),
+              answers(pad_text("{ pad_diameter_mm = 20 }"))[0]["eccentricity_m"].get<double>(),
+              1e-12);
+}
+
+TEST_F(FlatPad, HasTheSameTorqueStuckAndFrictionless) {
+  const json stuck = answers(pad_text())[0];
+  const json slippery = answers(
+      pad_text("{ pad_mm = [22, 37.5] }", "{ flat = true }", "pressing = \"frictionless\""))[0];
+  EXPECT_EQ(stuck["max_torque_Nm"], slippery["max_torque_Nm"]);
+  EXPECT_GT(stuck["normal_stiffness_N_per_m"].get<double>(),
+            1.5 * slippery["normal_stiffness_N_per_m"].get<double>());
+  EXPECT_EQ(slippery["pressure_arm_m"], slippery["eccentricity_m"]);
+}
+
+TEST_F(FlatPad, CarriesDoubtsAndSettings) {
+  std::string text = pad_text();
+  const std::string thickness = "thickness_mm = 3";
+  text.replace(text.find(thickness), thickness.size(),
+               "thickness_mm = { value = 3, factor = 1.5 }");
+  const json doubted = answers(text)[0]["input_doubt"];
+  EXPECT_GT(doubted["max_torque"].get<double>(), 0.005);
+  EXPECT_LT(doubted["max_torque"].get<double>(), 0.1);
+  EXPECT_GT(doubted["indentation"].get<double>(), 0.3);
+  EXPECT_NE(predict(text).out.find("(by the inputs"), std::string::npos);
+  EXPECT_TRUE(answers(pad_text())[0]["input_doubt"].is_null());
+  const json thicker = answers(pad_text(), {"--set", "layer.thickness_mm=6"})[0];
+  const json typed = answers(pad_text("{ pad_mm = [22, 37.5] }", "{ flat = true }", "", "6"))[0];
+  EXPECT_EQ(thicker["indentation_m"], typed["indentation_m"]);
+}
+
+TEST_F(FlatPad, SamplesItsLimitSurface) {
+  const json result = answers(pad_text(), {"--limit-surface", "50"})[0];
+  ASSERT_EQ(result["limit_surface"].size(), 50u);
+  EXPECT_EQ(result["limit_surface_model"], "exact");
+  const double lowest = result["ellipsoid_deviation"][0],
+               highest = result["ellipsoid_deviation"][1];
+  // For uniform pressure on an ellipse of 1.7 : 1 it is -8.7 and 0 %.
+  EXPECT_LT(lowest, -0.05);
+  EXPECT_GT(lowest, -0.12);
+  EXPECT_LT(highest, 0.05);
+  const double force_N = 0.9 * 20, torque_Nm = result["max_torque_Nm"];
+  for (const json& point : result["limit_surface"]) {
+    const double used = std::sqrt(std::pow(point["fx_N"].get<double>() / force_N, 2) +
+                                  std::pow(point["fy_N"].get<double>() / force_N, 2) +
+                                  std::pow(point["torque_Nm"].get<double>() / torque_Nm, 2));
+    EXPECT_GT(used, 1 + lowest - 0.01);
+    EXPECT_LT(used, 1 + highest + 0.01);
+  }
+}
+
+TEST_F(FlatPad, BearsALoadBesideItsMiddleUntilTheRimLiftsOff) {
+  const std::string finger = "{ pad_mm = [22, 37.5] }", plane = "{ flat = true }";
+  const json middle = answers(pad_text(finger, plane, "load_at_mm = [0, 0]"))[0];
+  const json plain = answers(pad_text())[0];
+  EXPECT_NEAR(middle["eccentricity_m"].get<double>() / plain["eccentricity_m"].get<double>(), 1,
+              1e-3);
+  const double limit_mm = 1e3 * plain["tilt_limit_Nm"][1].get<double>() / 20;
+  const json off = answers(
+      pad_text(finger, plane, "load_at_mm = [" + std::to_string(0.9 * limit_mm) + ", 0]"))[0];
+  EXPECT_NEAR(off["tilt_utilisation"].get<double>(), 0.9, 1e-6);
+  EXPECT_NEAR(off["centre_of_pressure_m"][0].get<double>(), 0.9e-3 * limit_mm, 1e-9);
+  EXPECT_GT(off["peak_pressure_Pa"].get<double>(), plain["peak_pressure_Pa"].get<double>());
+  expect_refusal(
+      predict(pad_text(finger, plane, "load_at_mm = [" + std::to_string(1.1 * limit_mm) + ", 0]")),
+      "lifts off");
+  expect_refusal(predict(pad_text(finger, plane, "load_at_mm = [12, 0]")), "tips");
+}
+
+TEST_F(FlatPad, RefusesBadInputWithOneLine) {
+  const std::string plane = "{ flat = true }", pad = "{ pad_mm = [22, 37.5] }";
+  const struct {
+    std::string finger, object, contact, words;
+  } wrong[] = {
+      {"{ pad_outline_mm = [[0,0],[10,0],[0,10],[10,10]] }", plane, "",
+       "pad.toml:3: finger.pad_outline_mm = an outline that crosses itself"},
+      {"{ pad_outline_mm = [[0,0],[10,0],[2,2],[0,10]] }", plane, "", "hollow corner"},
+      {"{ pad_outline_mm = [[0,0],[10,0]] }", plane, "", "three points"},
+      {"{ pad_outline_mm = [[0,0],[5,0],[10,0]] }", plane, "", "without an area"},
+      {"{ pad_outline_mm = [[0,0],[10,0],[nan,3]] }", plane, "", "finite"},
+      {"{ pad_outline_mm = \"round\" }", plane, "", "three points"},
+      {"{ pad_mm = [22, -3] }", plane, "", "0.001 to 1000000"},
+      {"{ pad_mm = [22, inf] }", plane, "", "[length, width]"},
+      {"{ pad_mm = [22, 1e99] }", plane, "", "0.001 to 1000000"},
+      {"{ pad_mm = [22] }", plane, "", "[length, width]"},
+      {"{ pad_mm = [22, 20], corner_radius_mm = 11 }", plane, "", "half of the shorter side, 10"},
+      {"{ pad_mm = [22, 20], corner_radius_mm = -1 }", plane, "", "half of the shorter side, 10"},
+      {"{ pad_diameter_mm = 20, corner_radius_mm = 1 }", plane, "", "belongs to finger.pad_mm"},
+      {"{ pad_mm = [22, 20], edge_radius_mm = 10 }", plane, "", "edge_radius_mm = 10"},
+      {"{ pad_mm = [22, 20], edge_radius_m = 1 }", plane, "", "did you mean \"edge_radius_mm\""},
+      {"{ pad_mm = [22, 20], pad_diameter_mm = 3 }", plane, "", "exactly one of"},
+      {"{ pad_diameter_mm = 0 }", plane, "", "0.001 to 1000000"},
+      {pad, "{ radii_mm = [inf, inf] }", "", "a pad takes object = { flat = true }"},
+      {pad, "{ sphere_radius_mm = 20 }", "", "a pad takes object = { flat = true }"},
+      {pad, "{ mesh = \"x.stl\", along = \"+z\" }", "", "a pad takes object = { flat = true }"},
+      {"{ radii_mm = [9, 7] }", plane, "", "geometry.finger is curved"},
+      {"{ mesh = \"x.stl\", along = \"+z\" }", plane, "", "geometry.finger is curved"},
+      {pad, "{ flat = false }", "", "object.flat = false"},
+      {pad, "{ flat = true, offset_mm = [1, 2] }", "", "belongs to a face with an end"},
+      {pad, "{ face_mm = [10, 50], offset_mm = [40, 2] }", "", "does not touch the pad"},
+      {pad, "{ face_mm = [10, 50], offset_mm = [15.9, 2] }", "", "sliver of 37.5 x 0.1 mm"},
+      {pad, plane, "pressing = \"sticky\"", "\"stuck\" or \"frictionless\""},
+      {pad, plane, "load_at_mm = [1]", "two finite numbers"},
+      {pad, plane, "shear_law = \"limited\"\nshear_strength_kPa = 3", "\"coulomb\" for a flat pad"},
+      {pad, plane, "[fem]\ngeometry = \"flat\"", "no [fem] geometry yet"},
+      {pad, plane, "[object_layer]\nthickness_mm = 1\nyoungs_modulus_kPa = 1\npoisson_ratio = 0.3",
+       "no [object_layer] yet"}};
+  for (const auto& one : wrong)
+    expect_refusal(predict(pad_text(one.finger, one.object, one.contact)), one.words);
+  expect_refusal(predict(case_text() + "pressing = \"stuck\"\n"), "pressing");
+  expect_refusal(predict(pad_text(), {"--model", "hertz"}), "no model of flat pads");
+  expect_refusal(predict(pad_text(), {"--torque-rule", "paper"}), "--torque-rule");
+  expect_refusal(predict(pad_text(), {"--gap", "sampled"}), "--gap");
+  expect_refusal(predict(pad_text(), {"--page", "a.html"}), "--page");
+}
+
+TEST_F(FlatPad, SaysThatAPadThickerThanWideHasNoBound) {
+  const json thick = answers(pad_text("{ pad_mm = [22, 37.5] }", "{ flat = true }", "", "80"))[0];
+  EXPECT_FALSE(thick["usable"]);
+  EXPECT_TRUE(thick["error_bound"].is_null());
+  const std::string evidence = thick["error_evidence"];
+  EXPECT_NE(evidence.find("thicker"), std::string::npos) << evidence;
+}
+
+TEST_F(FlatPad, IsRefusedByNameWhereACommandCannotTakeIt) {
+  folder.write("pad.toml", pad_text());
+  folder.write("sweep.toml", pad_text() + "[sweep]\n\"layer.thickness_mm\" = [1, 2]\n");
+  folder.write("data.csv", "load_N,indentation_mm\n1,0.1\n2,0.2\n");
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"fem", "pad.toml"},
+                                             {"compare", "pad.toml"},
+                                             {"select", "pad.toml", "--tolerance", "0.1"},
+                                             {"calibrate", "data.csv", "pad.toml"},
+                                             {"sweep", "sweep.toml", "--output", "there"}}) {
+    const ProgramRun run = run_softfinger(start, command);
+    expect_refusal(run, "softfinger " + command[0] + " does not take flat pads yet");
+  }
+}
+
+TEST_F(FlatPad, IsExportedAsOneContactPoint) {
+  folder.write("pad.toml", pad_text());
+  const ProgramRun run = run_softfinger(start, {"export", "pad.toml", "--to", "mujoco"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("condim=\"4\""), std::string::npos);
+  EXPECT_NE(run.out.find("ONE contact point"), std::string::npos);
+  const json made =
+      json::parse(run_softfinger(start, {"export", "pad.toml", "--to", "mujoco", "--json"}).out);
+  EXPECT_NEAR(made["values"]["spinning_friction_m"].get<double>(),
+              0.9 * answers(pad_text())[0]["eccentricity_m"].get<double>(), 1e-12);
+  expect_refusal(run_softfinger(start, {"export", "pad.toml", "--to", "bullet"}), "mujoco");
+}
+
+TEST_F(FlatPad, HasItsOwnInitAndCards) {
+  ASSERT_EQ(run_softfinger(start, {"init", "new.toml", "--pad"}).status, 0);
+  EXPECT_EQ(run_softfinger(start, {"predict", "new.toml"}).status, 0);
+  for (const char* model : {"pad_layer", "pad_uniform"})
+    EXPECT_EQ(run_softfinger(start, {"explain", model}).status, 0);
+}
+
+TEST_F(FlatPad, IsDistinguishedFromAnEllipse) {
+  folder.write("case.toml", case_text());
+  const json ellipse =
+      json::parse(run_softfinger(start, {"predict", "case.toml", "--json"}).out)["results"][0];
+  EXPECT_EQ(ellipse["contact"], "ellipse");
+}
+
+}  // namespace softfinger::tests
