@@ -18,6 +18,9 @@
 #include "fem/base/memory.h"
 #include "fem/base/threads.h"
 #include "fem/linear/model_cache.h"
+#include "fem/pad/solve_pad.h"
+#include "fem/program/pad_json.h"
+#include "fem/program/read_pad.h"
 #include "fem/program/read_problem.h"
 #include "fem/program/reference_solver.h"
 #include "fem/program/result_json.h"
@@ -109,11 +112,17 @@ std::optional<Failure> failure_of(const Work& work) {
 }
 
 void answer(const json& input, const std::string& prefix, fem::ModelCache& models) {
-  const fem::Problem problem = fem::read_problem(input, mesh_readers());
-  const fem::Result result = fem::solve(
-      problem, [&](const std::string& line) { std::cerr << prefix << line << std::endl; },
-      [] { return g_stop.load(); }, &models);
-  std::cout << fem::to_json(problem, result).dump() << std::endl;
+  const auto progress = [&](const std::string& line) { std::cerr << prefix << line << std::endl; };
+  const auto stop = [] { return g_stop.load(); };
+  json output;
+  if (fem::is_pad(input)) {
+    const fem::PadProblem problem = fem::read_pad(input);
+    output = fem::to_json(problem, fem::solve_pad(problem, progress, stop));
+  } else {
+    const fem::Problem problem = fem::read_problem(input, mesh_readers());
+    output = fem::to_json(problem, fem::solve(problem, progress, stop, &models));
+  }
+  std::cout << output.dump() << std::endl;
   if (!std::cout) throw softfinger::InputError("standard output", "result", "", "a place to write");
 }
 
