@@ -72,6 +72,10 @@ ConvexOutline ConvexOutline::polygon(std::vector<Eigen::Vector2d> points, const 
     if (!((points[i] - points[(i + 1) % points.size()]).norm() > same * size))
       throw InputError(where, field, text((i + 1) % points.size(), points[(i + 1) % points.size()]),
                        "no point twice (the outline closes by itself)");
+  constexpr double least_area = 1e-6;  // of the size squared
+  if (!(std::abs(twice_area(points)) > least_area * size * size))
+    throw InputError(where, field, "no area enclosed",
+                     "a convex outline that runs around once and does not cross itself");
   const std::vector<Eigen::Vector2d> given = points;
   if (twice_area(points) < 0) std::reverse(points.begin(), points.end());
   const auto number_of = [&](const Eigen::Vector2d& point) {
@@ -95,8 +99,7 @@ ConvexOutline ConvexOutline::polygon(std::vector<Eigen::Vector2d> points, const 
   }
   constexpr double once = 1.5 * 2 * kPi;
   if (turning_rad > once || corners.size() < 3)
-    throw InputError(where, field, corners.size() < 3 ? "points on a line" : "it crosses itself",
-                     "a convex outline that runs around once");
+    throw InputError(where, field, "it crosses itself", "a convex outline that runs around once");
   ConvexOutline outline;
   outline.corner_ = corners;
   for (std::size_t i = 0; i < corners.size(); ++i) {

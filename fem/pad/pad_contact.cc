@@ -113,13 +113,19 @@ Eigen::Vector2d tilt_limit(const FaceResponse& face, PadPressing pressing, bool 
   const Eigen::Vector2d centre = stiffness_centre(face, pressing);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(resultants.rows());
   load.head<3>() = resultant_of({1, centre});
-  const Eigen::VectorXd even = forces * solve_positive_definite(resultants, load);
+  const auto at_nodes = [&](const Eigen::VectorXd& motion) -> Eigen::VectorXd {
+    const Eigen::VectorXd force = forces * motion;
+    // A stuck face's pressure is singular along the edge, where that of the elements oscillates:
+    // the nodes' forces have one sign. Without friction it is smooth, and forces would average over
+    // it.
+    return pressing == PadPressing::stuck ? force : face.pressure_of(force);
+  };
+  const Eigen::VectorXd even = at_nodes(solve_positive_definite(resultants, load));
   if (even.minCoeff() < 0) return Eigen::Vector2d::Zero();
   Eigen::Vector2d limit;
   for (const Index tilt : {tilt_x, tilt_y}) {
-    const Eigen::VectorXd per_moment =
-        forces *
-        solve_positive_definite(resultants, Eigen::VectorXd::Unit(resultants.rows(), tilt));
+    const Eigen::VectorXd per_moment = at_nodes(
+        solve_positive_definite(resultants, Eigen::VectorXd::Unit(resultants.rows(), tilt)));
     // The first node to pull, for either sense of the moment.
     limit[tilt - tilt_x] = 1 / (per_moment.array() / even.array()).abs().maxCoeff();
   }

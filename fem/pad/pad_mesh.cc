@@ -134,7 +134,7 @@ class FaceBlocks {
       : contact_(geometry.contact),
         pad_(geometry.pad),
         centre_(geometry.contact.centroid()),
-        core_(std::max(2, static_cast<int>(std::lround(0.45 * cells.across)))),
+        core_(std::max(2, (cells.across + 1) / 2)),
         ring_(cells.across - core_ + 1),
         across_(cells.across) {
     const int sectors = geometry.planes.both() ? 1 : contact_.corners();
@@ -335,7 +335,7 @@ void require_regular(const FaceCells& face) {
 }  // namespace
 
 PadCells cells_of_level(const PadGeometry& geometry, int level) {
-  constexpr std::array<int, 4> across{4, 6, 9, 15}, deep{2, 4, 6, 10};
+  constexpr std::array<int, 4> across{3, 5, 8, 13}, deep{2, 4, 6, 10};
   const auto at = static_cast<std::size_t>(level);
   PadCells cells{across[at], deep[at]};
   // The blocks around a polygon's centre are as many as its corners.

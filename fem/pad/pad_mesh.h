@@ -34,9 +34,9 @@ struct PadGeometry {
   MirrorPlanes planes;  ///< of both: a quarter is meshed, or the whole
 };
 
-/// Cells along the lines of a mesh. Each level has about 1.5 times as many as the one before it.
+/// Cells along the lines of a mesh. Each level has about 1.6 times as many as the one before it.
 struct PadCells {
-  int across = 9;  ///< from the centre to the outline
+  int across = 8;  ///< from the centre to the outline
   int deep = 6;    ///< even
 };
 

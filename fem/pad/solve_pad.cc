@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "fem/base/formatted.h"
 #include "fem/base/memory.h"
@@ -44,15 +45,22 @@ class PadSolver {
   PadSolver(const PadProblem& problem, const PadPlan& plan)
       : problem_(problem), plan_(plan), units_{problem.thickness_m, problem.youngs_modulus_Pa} {}
 
-  std::unique_ptr<FaceResponse> respond(int level, LevelAnswer& answer) const {
+  std::shared_ptr<const FaceResponse> respond(int level, LevelAnswer& answer,
+                                              PadCache& cache) const {
+    for (const auto& [solved, kept] : cache.levels)
+      if (solved.level == level) {
+        answer.level = solved;
+        return kept;
+      }
     const PadCells cells = cells_of_level(plan_.geometry, level);
     PadModel model(mesh_pad(plan_.geometry, cells), plan_.geometry.planes, problem_.poisson_ratio);
-    auto face = std::make_unique<FaceResponse>(model);
+    auto face = std::make_shared<const FaceResponse>(model);
     answer.level.level = level;
     answer.level.cells_across = cells.across;
     answer.level.cells_deep = cells.deep;
     answer.level.unknowns = model.unknowns();
     answer.level.face_nodes = static_cast<int>(model.nodes().size());
+    cache.levels.emplace_back(answer.level, face);
     return face;
   }
 
@@ -125,49 +133,93 @@ class PadSolver {
   const Units units_;
 };
 
-/// Errors are the difference of the two levels over (r^2 - 1), r the ratio of their cells, and what
-/// both miss alike. Observed orders are 2.5 to 4.
-class PadErrorModel {
+/// Two levels' answer on one quantity.
+struct Extrapolated {
+  double value, error;  ///< the latter relative
+};
+
+/// Integrals over pad and face converge with the cube of the cells' size or a little faster: 2.9 to
+/// 3.6 was observed on discs, rectangles and punches with nu 0.3 and 0.49. They are extrapolated by
+/// the cube, and 0.6 of that correction is stated. A peak or a limit is that of single nodes: the
+/// finer level's own value, with an error of the first order.
+class TwoLevels {
  public:
-  PadErrorModel(const PadLevel& coarse, const PadLevel& fine) : coarse_(coarse), fine_(fine) {
-    const double ratio = static_cast<double>(fine.cells_across) / coarse.cells_across;
-    share_ = 1 / (ratio * ratio - 1);
+  TwoLevels(const PadLevel& coarse, const PadLevel& fine)
+      : ratio_(static_cast<double>(fine.cells_across) / coarse.cells_across) {}
+
+  Extrapolated integral(double coarse, double fine) const {
+    constexpr double order = 3, stated = 0.6;
+    const double correction = (fine - coarse) / (std::pow(ratio_, order) - 1);
+    const double value = fine + correction;
+    constexpr double common = 5e-4;
+    return {value, relative(stated * correction, value) + common};
   }
-  double operator()(double PadLevel::*quantity) const {
-    return relative(coarse_.*quantity, fine_.*quantity);
-  }
-  std::array<double, 2> operator()(std::array<double, 2> PadLevel::*pair) const {
-    return {relative((coarse_.*pair)[0], (fine_.*pair)[0]),
-            relative((coarse_.*pair)[1], (fine_.*pair)[1])};
+  Extrapolated node(double coarse, double fine) const {
+    constexpr double order = 1.5, common = 2e-2;
+    return {fine, relative((fine - coarse) / (std::pow(ratio_, order) - 1), fine) + common};
   }
 
  private:
-  double relative(double coarse, double fine) const {
-    constexpr double common = 2e-4;
-    if (fine == 0) return coarse == 0 ? 0 : 1;
-    return share_ * std::abs(coarse - fine) / std::abs(fine) + common;
+  static double relative(double change, double value) {
+    return value == 0 ? 0 : std::abs(change / value);
   }
 
-  const PadLevel &coarse_, &fine_;
-  double share_;
+  double ratio_;
 };
 
-PadError errors_of(const PadLevel& coarse, const PadLevel& fine) {
-  const PadErrorModel of(coarse, fine);
-  PadError error;
-  error.normal_stiffness = of(&PadLevel::normal_stiffness_N_per_m);
-  error.indentation = of(&PadLevel::indentation_m);
-  error.peak_pressure = of(&PadLevel::peak_pressure_Pa);
-  error.pressure_arm = of(&PadLevel::pressure_arm_m);
-  error.eccentricity = of(&PadLevel::eccentricity_m);
-  error.max_torque = of(&PadLevel::max_torque_Nm);
-  error.torsional_stiffness = of(&PadLevel::torsional_stiffness_Nm_per_rad);
-  error.tilt_stiffness = of(&PadLevel::tilt_stiffness_Nm_per_rad);
-  error.free_tilt_stiffness = of(&PadLevel::free_tilt_stiffness_Nm_per_rad);
-  error.tilt_limit = of(&PadLevel::tilt_limit_Nm);
-  error.free_tilt_limit = of(&PadLevel::free_tilt_limit_Nm);
-  error.shear_stiffness = of(&PadLevel::shear_stiffness_N_per_m);
-  return error;
+/// Puts the extrapolated quantities in the place of the finer level's and states their errors.
+void extrapolate(const PadLevel& coarse, PadLevel& fine, PadError& error) {
+  const TwoLevels levels(coarse, fine);
+  const auto put = [](const Extrapolated& found, double& value, double& stated) {
+    value = found.value;
+    stated = found.error;
+  };
+  const auto integral = [&](auto PadLevel::*quantity, auto PadError::*stated) {
+    auto &value = fine.*quantity, &told = error.*stated;
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>)
+      put(levels.integral(coarse.*quantity, value), value, told);
+    else
+      for (std::size_t i = 0; i < value.size(); ++i)
+        put(levels.integral((coarse.*quantity)[i], value[i]), value[i], told[i]);
+  };
+  const auto limit = [&](std::array<double, 2> PadLevel::*quantity,
+                         std::array<double, 2> PadError::*stated) {
+    for (std::size_t i = 0; i < 2; ++i)
+      put(levels.node((coarse.*quantity)[i], (fine.*quantity)[i]), (fine.*quantity)[i],
+          (error.*stated)[i]);
+  };
+  integral(&PadLevel::normal_stiffness_N_per_m, &PadError::normal_stiffness);
+  integral(&PadLevel::indentation_m, &PadError::indentation);
+  integral(&PadLevel::pressure_arm_m, &PadError::pressure_arm);
+  integral(&PadLevel::eccentricity_m, &PadError::eccentricity);
+  integral(&PadLevel::max_torque_Nm, &PadError::max_torque);
+  integral(&PadLevel::tilt_stiffness_Nm_per_rad, &PadError::tilt_stiffness);
+  integral(&PadLevel::free_tilt_stiffness_Nm_per_rad, &PadError::free_tilt_stiffness);
+  integral(&PadLevel::torsional_stiffness_Nm_per_rad, &PadError::torsional_stiffness);
+  integral(&PadLevel::shear_stiffness_N_per_m, &PadError::shear_stiffness);
+  limit(&PadLevel::tilt_limit_Nm, &PadError::tilt_limit);
+  limit(&PadLevel::free_tilt_limit_Nm, &PadError::free_tilt_limit);
+  put(levels.node(coarse.peak_pressure_Pa, fine.peak_pressure_Pa), fine.peak_pressure_Pa,
+      error.peak_pressure);
+}
+
+/// Numbers that the two meshes depend on.
+std::vector<double> key_of(const PadProblem& problem) {
+  std::vector<double> key{static_cast<double>(problem.level), problem.thickness_m,
+                          problem.poisson_ratio};
+  const auto add = [&](const FlatShape& shape) {
+    key.push_back(static_cast<double>(shape.kind));
+    key.insert(key.end(),
+               {shape.radius_m, shape.lengths_m[0], shape.lengths_m[1], shape.corner_radius_m});
+    for (const auto& point : shape.points_m) key.insert(key.end(), point.begin(), point.end());
+  };
+  add(problem.outline);
+  if (problem.face) {
+    add(problem.face->shape);
+    key.insert(key.end(),
+               {problem.face->offset_m[0], problem.face->offset_m[1], problem.face->angle_rad});
+  }
+  return key;
 }
 
 /// Full slip with each velocity, about the pressure's centre. Friction acts along the velocity of
@@ -212,8 +264,8 @@ PadPressure samples(const FaceResponse& face, const Eigen::VectorXd& force, cons
 
 }  // namespace
 
-PadResult solve_pad(const PadProblem& problem, const Progress& progress,
-                    const StopRequested& stop) {
+PadResult solve_pad(const PadProblem& problem, const Progress& progress, const StopRequested& stop,
+                    PadCache* cache) {
   const PadPlan plan = plan_pad(problem);
   const Stopwatch watch;
   const PadSolver solver(problem, plan);
@@ -221,13 +273,16 @@ PadResult solve_pad(const PadProblem& problem, const Progress& progress,
   PadResult result;
   result.planes = plan.geometry.planes;
   LevelAnswer answer;
-  std::unique_ptr<FaceResponse> face;
+  std::shared_ptr<const FaceResponse> face;
+  PadCache none;
+  PadCache& kept = cache ? *cache : none;
+  if (kept.key != key_of(problem)) kept = {key_of(problem), {}};
   for (int level = problem.level - 1; level <= problem.level; ++level) {
     if (stop()) throw Interrupted();
     const Stopwatch of_level;
     face.reset();
     answer = {};
-    face = solver.respond(level, answer);
+    face = solver.respond(level, answer, kept);
     solver.press(*face, answer);
     answer.level.cpu_s = of_level.cpu_seconds();
     progress(formatted("level %d: %ld unknowns, d %.6g m, %.2f s", level, answer.level.unknowns,
@@ -235,7 +290,7 @@ PadResult solve_pad(const PadProblem& problem, const Progress& progress,
     result.levels.push_back(answer.level);
   }
   result.finest = answer.level;
-  result.error = errors_of(result.levels.front(), result.finest);
+  extrapolate(result.levels.front(), result.finest, result.error);
   const auto in_pad_m = [&](const Vector2d& place) {
     return pair_of(plan.origin_m + units.length_m * place);
   };
