@@ -145,13 +145,14 @@ struct Extrapolated {
 class TwoLevels {
  public:
   TwoLevels(const PadLevel& coarse, const PadLevel& fine)
-      : ratio_(static_cast<double>(fine.cells_across) / coarse.cells_across) {}
+      : ratio_(static_cast<double>(fine.cells_across) / coarse.cells_across),
+        is_coarse_(fine.level < 2) {}
 
   Extrapolated integral(double coarse, double fine) const {
     constexpr double order = 3, stated = 0.6;
     const double correction = (fine - coarse) / (std::pow(ratio_, order) - 1);
     const double value = fine + correction;
-    constexpr double common = 5e-4;
+    const double common = is_coarse_ ? 2e-3 : 5e-4;
     return {value, relative(stated * correction, value) + common};
   }
   Extrapolated node(double coarse, double fine) const {
@@ -165,6 +166,7 @@ class TwoLevels {
   }
 
   double ratio_;
+  bool is_coarse_;
 };
 
 /// Puts the extrapolated quantities in the place of the finer level's and states their errors.
