@@ -17,6 +17,7 @@
 #include "fem/layer/edge_shape.h"
 #include "fem/layer/outside_mesh.h"
 #include "fem/layer/patch_boxes.h"
+#include "fem/layer/placed_mesh.h"
 #include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
 
@@ -111,6 +112,56 @@ LayerSpace::LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh
     throw InputError(
         "mesh of the layer", "physical surface \"contact\"", "",
         "a surface at the origin of the mesh's coordinates, where the load acts along z");
+}
+
+LayerSpace::LayerSpace(const PlacedMesh& mesh, MirrorPlanes mirrored)
+    : element(dealii::FE_Q<dim>(2), dim), planes(mirrored), meshed(true) {
+  // The mesh says itself what can be touched.
+  constexpr double everywhere = 1e6;
+  discretisation.a = discretisation.b = everywhere;
+  std::vector<dealii::Point<dim>> vertices;
+  for (const Eigen::Vector3d& vertex : mesh.vertices)
+    vertices.emplace_back(vertex.x(), vertex.y(), vertex.z());
+  std::vector<dealii::CellData<dim>> cells(mesh.cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    std::copy(mesh.cells[i].begin(), mesh.cells[i].end(), cells[i].vertices.begin());
+  triangulation.create_triangulation(vertices, cells, dealii::SubCellData());
+  constexpr unsigned int bottom = 4, top = 5;
+  for (const auto& cell : triangulation.active_cell_iterators()) {
+    if (cell->face(bottom)->at_boundary()) cell->face(bottom)->set_boundary_id(core_face);
+    if (cell->face(top)->at_boundary() && mesh.touched[cell->active_cell_index()])
+      cell->face(top)->set_boundary_id(contact_face);
+  }
+  dofs.distribute_dofs(element);
+  std::vector<dealii::Point<dim>> support = support_points();
+  place_nodes(mesh, support);
+  constrain(support);
+  collect_meshed_surface(support);
+  number_surface();
+}
+
+/// Moves the nodes of straight cells to where the mesh places them.
+void LayerSpace::place_nodes(const PlacedMesh& mesh, std::vector<dealii::Point<dim>>& support) {
+  if (!mesh.curved) {
+    mapping = std::make_unique<dealii::MappingQ1<dim>>();
+    return;
+  }
+  bending.reinit(dofs.n_dofs());
+  const std::vector<dealii::Point<dim>> straight = support;
+  std::vector<global_dof_index> indices(element.n_dofs_per_cell());
+  for (const auto& cell : dofs.active_cell_iterators()) {
+    cell->get_dof_indices(indices);
+    for (unsigned int i = 0; i < indices.size(); ++i) {
+      const auto& unit = element.unit_support_point(i);
+      const Eigen::Vector3d placed =
+          mesh.place(cell->active_cell_index(), {unit[0], unit[1], unit[2]});
+      const unsigned int c = element.system_to_component_index(i).first;
+      bending[indices[i]] = placed[c] - straight[indices[i]][c];
+      support[indices[i]] = dealii::Point<dim>(placed.x(), placed.y(), placed.z());
+    }
+  }
+  mapping =
+      std::make_unique<dealii::MappingQEulerian<dim, dealii::Vector<double>>>(2, dofs, bending);
 }
 
 namespace {

@@ -30,6 +30,7 @@ struct HexahedralMesh;
 namespace softfinger::fem {
 
 class EdgeShape;
+struct PlacedMesh;
 
 /// The degrees of freedom that are solved for: those that neither the bond, nor a hanging node, nor
 /// a symmetry fixes.
@@ -52,6 +53,8 @@ struct LayerSpace {
              MirrorPlanes mirrored);
   /// The whole layer, from a coarse mesh that the user supplies ("from outside").
   LayerSpace(const LayerDiscretisation& meant, const meshes::LayerMesh& mesh, double thickness_m);
+  /// One side of the mirror planes, from a mesh that is not refined.
+  LayerSpace(const PlacedMesh& mesh, MirrorPlanes mirrored);
 
   std::optional<FoldedLayer> folded;
   LayerDiscretisation discretisation;
@@ -117,6 +120,7 @@ struct LayerSpace {
   enum class Left { all, part, nothing };
   std::vector<dealii::Point<dim>> support_points() const;
   void bend(const std::vector<dealii::Point<dim>>& support);
+  void place_nodes(const PlacedMesh& mesh, std::vector<dealii::Point<dim>>& support);
   void constrain(const std::vector<dealii::Point<dim>>& support);
   void collect_surface(const std::vector<dealii::Point<dim>>& support);
   void collect_meshed_surface(const std::vector<dealii::Point<dim>>& support);

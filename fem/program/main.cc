@@ -18,6 +18,9 @@
 #include "fem/base/memory.h"
 #include "fem/base/threads.h"
 #include "fem/linear/model_cache.h"
+#include "fem/pad/solve_pad.h"
+#include "fem/program/pad_json.h"
+#include "fem/program/read_pad.h"
 #include "fem/program/read_problem.h"
 #include "fem/program/reference_solver.h"
 #include "fem/program/result_json.h"
@@ -108,12 +111,24 @@ std::optional<Failure> failure_of(const Work& work) {
   }
 }
 
-void answer(const json& input, const std::string& prefix, fem::ModelCache& models) {
-  const fem::Problem problem = fem::read_problem(input, mesh_readers());
-  const fem::Result result = fem::solve(
-      problem, [&](const std::string& line) { std::cerr << prefix << line << std::endl; },
-      [] { return g_stop.load(); }, &models);
-  std::cout << fem::to_json(problem, result).dump() << std::endl;
+/// Meshes of earlier problems that may serve later ones.
+struct Kept {
+  fem::ModelCache models;
+  fem::PadCache pads{};
+};
+
+void answer(const json& input, const std::string& prefix, Kept& kept) {
+  const auto progress = [&](const std::string& line) { std::cerr << prefix << line << std::endl; };
+  const auto stop = [] { return g_stop.load(); };
+  json output;
+  if (fem::is_pad(input)) {
+    const fem::PadProblem problem = fem::read_pad(input);
+    output = fem::to_json(problem, fem::solve_pad(problem, progress, stop, &kept.pads));
+  } else {
+    const fem::Problem problem = fem::read_problem(input, mesh_readers());
+    output = fem::to_json(problem, fem::solve(problem, progress, stop, &kept.models));
+  }
+  std::cout << output.dump() << std::endl;
   if (!std::cout) throw softfinger::InputError("standard output", "result", "", "a place to write");
 }
 
@@ -129,12 +144,12 @@ int answer_all(const json& inputs) {
   // Loads come the largest first, so that the latest meshes are the ones that may serve; a pair of
   // them holds about 150 MB. A single problem has no use for what it would leave behind.
   constexpr std::size_t kept_pairs = 2;
-  fem::ModelCache models(inputs.size() > 1 ? kept_pairs : 0);
+  Kept kept{fem::ModelCache(inputs.size() > 1 ? kept_pairs : 0)};
   int exit_status = 0;
   for (std::size_t i = 0; i < inputs.size(); ++i) {
     const std::string prefix =
         "fem: " + std::to_string(i + 1) + "/" + std::to_string(inputs.size()) + ": ";
-    const auto failure = failure_of([&] { answer(inputs[i], prefix, models); });
+    const auto failure = failure_of([&] { answer(inputs[i], prefix, kept); });
     if (!failure) continue;
     exit_status = std::max(exit_status, failure->exit_status);
     if (failure->exit_status == interrupted) break;
@@ -167,8 +182,8 @@ int answer_file(const std::string& path) {
   if (fem::available_memory_MB() < enough_for_two_MB) one_thread.emplace(1);
   fem::reserve_blas_memory();
   if (input.is_array()) return answer_all(input);
-  fem::ModelCache nothing_to_share(0);
-  answer(input, "fem: ", nothing_to_share);
+  Kept nothing{fem::ModelCache(0)};
+  answer(input, "fem: ", nothing);
   return 0;
 }
 

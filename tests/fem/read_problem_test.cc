@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "fem/program/read_pad.h"
 #include "meshes/generation/layer_mesh.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
@@ -167,6 +168,65 @@ TEST(ReadProblem, ValuesOutOfRangeAreRefusedByTheirKey) {
 TEST(ReadProblem, WhatIsNoProblemAtAllIsRefused) {
   for (const char* text : {"null", "1", "\"text\"", "[]", "{}"})
     EXPECT_NE(refusal_of(json::parse(text)), "") << text;
+}
+
+json pad_problem() {
+  return json::parse(R"({"name": "cup", "pad": {"outline": {"shape": "rectangle",
+      "lengths_m": [0.02, 0.01], "corner_radius_m": 0.001},
+      "thickness_m": 0.003, "youngs_modulus_Pa": 1e6, "poisson_ratio": 0.48},
+    "face": {"outline": {"shape": "polygon", "points_m": [[0, 0], [0.01, 0], [0, 0.005]]},
+      "offset_m": [0.001, 0], "angle_rad": 0.2},
+    "pressing": "stuck", "load_N": 7, "load_point_m": [0.001, 0.0005],
+    "friction_coefficient": 0.9, "friction": {"limit_surface": 30}, "level": 1})");
+}
+
+TEST(ReadPad, EveryKeyArrives) {
+  EXPECT_TRUE(is_pad(pad_problem()));
+  EXPECT_FALSE(is_pad(problem()));
+  const PadProblem read = read_pad(pad_problem());
+  EXPECT_EQ(read.name, "cup");
+  EXPECT_EQ(read.outline.lengths_m[0], 0.02);
+  EXPECT_EQ(read.outline.corner_radius_m, 0.001);
+  EXPECT_EQ(read.thickness_m, 0.003);
+  EXPECT_EQ(read.poisson_ratio, 0.48);
+  ASSERT_TRUE(read.face);
+  EXPECT_EQ(read.face->shape.points_m.size(), 3u);
+  EXPECT_EQ(read.face->offset_m[0], 0.001);
+  EXPECT_EQ(read.face->angle_rad, 0.2);
+  EXPECT_EQ(read.pressing, PadPressing::stuck);
+  EXPECT_EQ(read.load_point_m.value()[1], 0.0005);
+  EXPECT_EQ(read.limit_surface, 30);
+  EXPECT_EQ(read.level, 1);
+}
+
+TEST(ReadPad, ValuesOutOfRangeAreRefusedByTheirKey) {
+  struct Wrong {
+    const char *pointer, *key;
+    json value;
+  };
+  for (const Wrong& wrong :
+       std::vector<Wrong>{{"/pad/outline/shape", "pad.outline.shape", "star"},
+                          {"/pad/outline/lengths_m", "pad.outline.lengths_m", {1}},
+                          {"/pad/thickness_m", "pad.thickness_m", -1},
+                          {"/pad/poisson_ratio", "pad.poisson_ratio", 0.6},
+                          {"/pad/edge_radius_m", "pad.edge_radius_m", 0.001},
+                          {"/face/outline/points_m", "face.outline.points_m", {{0, 0}, {1, 1}}},
+                          {"/pressing", "pressing is missing", nullptr},
+                          {"/pressing", "pressing", "glued"},
+                          {"/kinematics", "kinematics", "finite"},
+                          {"/load_N", "load_N", 0},
+                          {"/level", "level", 4}}) {
+    json input = pad_problem();
+    input[json::json_pointer(wrong.pointer)] = wrong.value;
+    std::string message;
+    try {
+      read_pad(input);
+    } catch (const InputError& error) {
+      message = error.what();
+    }
+    EXPECT_NE(message.find(std::string(": ") + wrong.key), std::string::npos)
+        << wrong.pointer << ": " << message;
+  }
 }
 
 TEST(ParseProblems, TextThatIsNoJsonIsRefusedWithItsPlace) {

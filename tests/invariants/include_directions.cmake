@@ -8,7 +8,7 @@
 #   accuracy knows the pressure models and the layer
 #   input <- meshes <- fem, and in it:
 #   base <- algebra <- problem <- layer <- contact <- friction <- output <- levels <- linear <- finite
-#   <- program <- verification, studies
+#   <- pad <- program <- verification, studies
 #   everything <- comparisons, and in it:
 #   text <- system <- input <- prediction <- reference, simulation <- judgement <- exporting <- explorer;
 #   judgement <- experiments, calibration
@@ -83,6 +83,7 @@ fem_room(output ${dealii})
 fem_room(levels "^meshes/generation/")
 fem_room(linear)
 fem_room(finite ${dealii})
+fem_room(pad ${dealii})
 fem_room(program ${posix} "^meshes/" "^nlohmann/")
 may_include(fem/verification ${std} ${posix} ${eigen} ${input} ${dealii} "^meshes/generation/"
             "^fem/(verification|${known})/")
