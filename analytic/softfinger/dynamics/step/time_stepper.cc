@@ -284,7 +284,7 @@ void TimeStepper::begin_roots() {
     root_elements_[island] += int(jacobians_[t].size());
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (!contacts_[i].compliance.isZero(0))
+    if (!contacts_[i].compliance.isZero(0) || contacts_[i].centre_of_pressure_m)
       root_columns_[std::size_t(place_of_row_[i].island)] = kNone;
   for (std::size_t i = 0; i < limits_.size(); ++i)
     if (limits_[i].sign == kDryFriction)
@@ -321,13 +321,25 @@ void TimeStepper::add_to_root(const std::vector<Touching>& rows, const Eigen::Ma
   }
 }
 
-/// Replaces the tangential velocities of elastic contacts by those of sliding.
+/// Replaces the tangential velocities of elastic contacts by those of sliding. Points that hold one
+/// face share its force as equal springs do, which give way a million times less than the bodies:
+/// without them the distribution, and with it the centre of pressure, would not be determined. They
+/// come one after the other.
 void TimeStepper::add_compliance() {
+  constexpr double kShare = 1e-6;
+  double spring = 0;
   const double dt = options_.time_step_s;
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& contact = contacts_[i];
-    if (contact.compliance.isZero(0)) continue;
     const Place& place = place_of_row_[i];
+    if (contact.centre_of_pressure_m) {
+      double& normal = islands_[std::size_t(place.island)].problem.delassus(4 * place.position,
+                                                                            4 * place.position);
+      if (i == 0 || contacts_[i - 1].centre_of_pressure_m != contact.centre_of_pressure_m)
+        spring = kShare * normal;
+      normal += spring;
+    }
+    if (contact.compliance.isZero(0)) continue;
     islands_[std::size_t(place.island)].problem.delassus.diagonal().segment<3>(
         4 * place.position + 1) += contact.compliance / (dt * dt);
     problem_.free_velocity.segment<3>(4 * int(i) + 1) -=
