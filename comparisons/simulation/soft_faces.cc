@@ -131,16 +131,21 @@ bool SoftFaces::describe(const std::vector<std::size_t>& group,
     problem.shape = &shape;
     problem.layer = layer_a ? *layer_a : *layer_b;
     problem.load = {scene_.nominal_load_N, 1};
+    face.answered_at_m.reset();
     face.outline = std::make_shared<const Face::Outline>(
         Face::Outline{outline->area_m2(), outline->centroid_m(), outline->second_moments_m4(),
                       EccentricLoad(find_pad_model("pad_layer")->slipping_pressure(problem))});
   }
   const EccentricLoad& load = face.outline->load;
-  const EccentricLoad::Answer answer = load.at(face.last_centre_m.value_or(load.middle_m()));
-  face.area_m2 = outline->area_m2();
-  face.eccentricity_m = answer.eccentricity_m;
-  face.lifted_share = answer.lifted_share;
   const Eigen::Vector2d centre_m = face.last_centre_m.value_or(load.middle_m());
+  // e_n changes with the square of the centre's place, over the face's size.
+  constexpr double kSame = 1e-3;
+  if (!face.answered_at_m ||
+      (centre_m - *face.answered_at_m).squaredNorm() > kSame * kSame * outline->area_m2()) {
+    face.answered_at_m = centre_m;
+    face.eccentricity_m = load.at(centre_m).eccentricity_m;
+  }
+  face.area_m2 = outline->area_m2();
   face.centre_m =
       face.origin_m + face.axes * Eigen::Vector3d(centre_m.x(), centre_m.y(), face.height_m);
   return face.eccentricity_m > 0;

@@ -26,7 +26,6 @@ class SoftFaces {
   struct Face {
     double area_m2 = 0;
     double eccentricity_m = 0;
-    double lifted_share = 0;                             ///< of the face, 0 to 1
     Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< of pressure, in the world
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< as Contact::axes
 
@@ -35,7 +34,8 @@ class SoftFaces {
     struct Outline;
     Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
     double height_m = 0;
-    std::optional<Eigen::Vector2d> last_centre_m;  ///< in the plane, from the origin
+    /// In the plane, from the origin: the centre after the last step, and that of e_n.
+    std::optional<Eigen::Vector2d> last_centre_m, answered_at_m;
     std::shared_ptr<const Outline> outline;
     bool is_here = false;
   };
