@@ -333,8 +333,9 @@ class UrdfImporter {
     Vector3d moments = principal.eigenvalues();
     // Below that it is rounding of the largest.
     constexpr double kRounding = 1e-6;
-    if (!(moments[2] > 0) || moments[0] < -kRounding * moments[2] ||
-        (moments.array() > 0).count() == 0) {
+    // A body of a micrometre is none: such moments are the rounding of zeros.
+    constexpr double kLeast_m2 = 1e-12;
+    if (!(moments[2] > kLeast_m2 * mass_kg) || moments[0] < -kRounding * moments[2]) {
       if (!parts.shapes.empty()) {
         note("the inertia of link {} is impossible: it has that of its shapes",
              in_quotes(link.name));
