@@ -9,6 +9,7 @@
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/fem_answer.h"
+#include "comparisons/commands/fem_pad.h"
 #include "comparisons/commands/number_option.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/prediction/answer_text.h"
@@ -104,9 +105,21 @@ reference::Idealisations idealisations_of(const FemOptions& options, const input
   return {true, true};
 }
 
-Plan plan_loads(const FemOptions& options) {
+/// Refuses what only curved fingers have.
+void refuse_for_pads(const FemOptions& options) {
+  const auto refuse = [](bool is_given, const char* option, const char* allowed) {
+    if (is_given) throw InputError("command line", option, "of a flat pad", allowed);
+  };
+  refuse(options.torsion, "--torsion",
+         "without it: the largest torque and the torsional stiffness are always computed");
+  refuse(options.approach_mm != 0, "--approach-mm", "a load");
+  refuse(!options.output.empty(), "--output", "without it: there are no VTU files of pads");
+  refuse(!options.compliance.empty(), "--export-compliance", "without it");
+  refuse(options.increments_to_slip > 0, "--increments-to-slip", "without it");
+}
+
+Plan plan_loads(const FemOptions& options, const input::Case& typed) {
   Plan plan;
-  const input::Case typed = read_case(options.typed_case);
   const prediction::GeometryResolver surfaces(typed);
   for (const std::string& line : surfaces.remarks()) remark(line);
   plan.level = options.level > 0 ? options.level : typed.fem_level;
@@ -239,7 +252,12 @@ void print(const FemOptions& options, const Plan& plan, const SolvedLoads& solve
 }
 
 int run_fem(const FemOptions& options) {
-  const Plan plan = plan_loads(options);
+  const input::Case typed = read_case(options.typed_case);
+  if (std::holds_alternative<input::PadPair>(typed.geometry)) {
+    refuse_for_pads(options);
+    return fem_pad({options.level, options.limit_surface, options.json, options.limits}, typed);
+  }
+  const Plan plan = plan_loads(options, typed);
   system::fem_program();  // refuses before anything is written
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
@@ -263,7 +281,7 @@ void add_fem(CLI::App& app, Action& action) {
       "fem",
       "Finite elements of the finger itself, as compare solves them, with their own error; seconds "
       "to minutes");
-  add_case(*command, options->typed_case);
+  add_case(*command, options->typed_case, false, input::FlatPads::taken);
   command
       ->add_option("--level", options->level,
                    "refinement, 1 (coarse) to 3 (fine); default: the case's own, else 2")

@@ -23,14 +23,11 @@ FemAnswer answer_of(const std::string& line) {
     if (read.result) return {std::move(read.result), "", 0};
     return {std::nullopt, "softfinger-fem gave no result to believe: " + read.flaw, 3};
   }
-  FemAnswer answer;
-  answer.failure = written.value("failure", "");
-  if (answer.failure.rfind("error: ", 0) == 0) answer.failure.erase(0, std::strlen("error: "));
-  answer.exit_status = written.value("exit_status", 3);
-  return answer;
+  return failure_of(written);
 }
 
-/// The error of the problem that a process was at when it ended before its time.
+}  // namespace
+
 FemAnswer failure_of(const system::ProcessOutcome& outcome, const FemLimits& limits) {
   FemAnswer answer;
   // Whatever else a crashed program returns, for the user the numerics failed.
@@ -57,7 +54,14 @@ FemAnswer failure_of(const system::ProcessOutcome& outcome, const FemLimits& lim
   return answer;
 }
 
-/// "fem: 2/3: text" is about the second of three problems. @returns its text
+FemAnswer failure_of(const nlohmann::json& written) {
+  FemAnswer answer;
+  answer.failure = written.value("failure", "");
+  if (answer.failure.rfind("error: ", 0) == 0) answer.failure.erase(0, std::strlen("error: "));
+  answer.exit_status = written.value("exit_status", 3);
+  return answer;
+}
+
 std::string text_of(const std::string& line, std::size_t& problem) {
   std::size_t number = 0;
   int length = 0;
@@ -67,7 +71,20 @@ std::string text_of(const std::string& line, std::size_t& problem) {
   return line.substr(static_cast<std::size_t>(length));
 }
 
-}  // namespace
+system::ProcessJob fem_job(const std::string& program, const nlohmann::json& problems,
+                           bool single_thread, const FemLimits& limits) {
+  system::ProcessJob job;
+  job.command = {program, "-"};
+  job.input = problems.dump() + "\n";
+  // The program has threads of its own, so the linear algebra gets none.
+  job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"};
+  if (single_thread) job.environment.push_back("DEAL_II_NUM_THREADS=1");
+  // Under mpirun this program is a rank; the finite elements are not.
+  job.hidden = {"OMPI_", "PMIX_", "PMI_"};
+  job.time_limit_s = limits.time_s;
+  job.memory_limit_MB = limits.memory_MB;
+  return job;
+}
 
 int run_fem(const std::string& program, const std::vector<FemBatch>& batches, int parallel,
             const FemCallbacks& callbacks, system::OnInterrupt on_interrupt) {
@@ -84,17 +101,7 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
         left.push_back(process_input(problems[i]));
         if (const auto hint = size_hint_m(problems[i])) left.back()["size_hint_m"] = *hint;
       }
-      system::ProcessJob job;
-      job.command = {program, "-"};
-      job.input = left.dump() + "\n";
-      // The program has threads of its own, so the linear algebra gets none.
-      job.environment = {"OPENBLAS_NUM_THREADS=1", "OMP_NUM_THREADS=1"};
-      if (batches[batch].single_thread) job.environment.push_back("DEAL_II_NUM_THREADS=1");
-      // Under mpirun this program is a rank; the finite elements are not.
-      job.hidden = {"OMPI_", "PMIX_", "PMI_"};
-      job.time_limit_s = batches[batch].limits.time_s;
-      job.memory_limit_MB = batches[batch].limits.memory_MB;
-      jobs.push_back(std::move(job));
+      jobs.push_back(fem_job(program, left, batches[batch].single_thread, batches[batch].limits));
       batch_of.push_back(batch);
       first.push_back(answered[batch]);
     }

@@ -54,6 +54,18 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
             const FemCallbacks& callbacks,
             system::OnInterrupt on_interrupt = system::OnInterrupt::stop);
 
+/// The process that takes an array of problems, one line each as the answer.
+system::ProcessJob fem_job(const std::string& program, const nlohmann::json& problems,
+                           bool single_thread, const FemLimits& limits);
+/// The error of the problem that a process was at when it ended before its time.
+FemAnswer failure_of(const system::ProcessOutcome& outcome, const FemLimits& limits);
+/// The error that a process wrote in place of a result, under the key "failure".
+FemAnswer failure_of(const nlohmann::json& written);
+/// A line of progress such as "fem: 2/3: text", which is about the second of three problems.
+/// @param problem  index of the first problem of the process; becomes that of the line's own
+/// @returns the text
+std::string text_of(const std::string& line, std::size_t& problem);
+
 /// "seed_thumb_5N": the name of the folder of a result.
 std::string load_folder(const std::string& case_id, double load_N);
 

@@ -55,6 +55,63 @@ class FemProgram : public testing::Test {
   }
 };
 
+/// A disc of radius 2 h, nu 0.49, against an independent mixed method (axisymmetric, three meshes,
+/// 1e-4): P h/(d E A), and int p r dA/P over that of uniform pressure, 2/3 R.
+TEST_F(FemProgram, SolvesAFlatPad) {
+  constexpr double kThickness_m = 2e-3, kModulus_Pa = 3e5, kRadius_m = 4e-3, kLoad_N = 2;
+  const auto text = [&](const std::string& pressing, const std::string& more = "") {
+    return "id = \"disc\"\n[geometry]\nfinger = { pad_diameter_mm = 8" + more +
+           " }\nobject = { flat = true }\n[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\n"
+           "poisson_ratio = 0.49\n[contact]\nload_N = [0.002, 2]\nfriction_coefficient = 0.5\n"
+           "pressing = \"" +
+           pressing + "\"\n";
+  };
+  const double area_m2 = 3.14159265358979 * kRadius_m * kRadius_m;
+  struct Row {
+    const char* pressing;
+    double stiffness, arm;
+  };
+  double eccentricity_m = 0;
+  for (const Row& row :
+       {Row{"stuck", 2.6337282, 0.93170712}, Row{"frictionless", 1.5025557, 0.90694741}}) {
+    const std::string file = folder.write("disc.toml", text(row.pressing)).string();
+    const ProgramRun run = run_softfinger(start, {"fem", file, "--level", "1", "--json"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const json results = json::parse(run.out)["results"];
+    ASSERT_EQ(results.size(), 2u);
+    const json& pad = results[1];
+    EXPECT_EQ(pad["contact"], "patch");
+    EXPECT_EQ(pad["pressing"], row.pressing);
+    EXPECT_TRUE(pad["a_m"].is_null());
+    const double stiffness =
+        kLoad_N * kThickness_m / (pad["indentation_m"].get<double>() * kModulus_Pa * area_m2);
+    const double arm = pad["pressure_arm_m"].get<double>() / (2. / 3 * kRadius_m);
+    // Within the stated errors, which are of the order of a tenth of a per cent.
+    EXPECT_NEAR(stiffness, row.stiffness,
+                pad["error"]["indentation"].get<double>() * row.stiffness);
+    EXPECT_NEAR(arm, row.arm, pad["error"]["pressure_arm"].get<double>() * row.arm);
+    EXPECT_LT(pad["error"]["indentation"].get<double>(), 0.02);
+    // Full slip forgets how the pad was pressed.
+    if (eccentricity_m > 0) {
+      EXPECT_NEAR(pad["eccentricity_m"].get<double>(), eccentricity_m, 1e-9 * eccentricity_m);
+    }
+    eccentricity_m = pad["eccentricity_m"];
+    EXPECT_NEAR(pad["max_torque_Nm"].get<double>(), 0.5 * kLoad_N * eccentricity_m,
+                1e-9 * eccentricity_m);
+    // The load off the middle that lifts the rim does not depend on how large it is.
+    for (int axis = 0; axis < 2; ++axis) {
+      const double large = pad["tilt_limit_Nm"][axis], small = results[0]["tilt_limit_Nm"][axis];
+      EXPECT_NEAR(small / 2e-3, large / kLoad_N, 1e-6 * large / kLoad_N) << row.pressing;
+    }
+  }
+  const std::string file = folder.write("disc.toml", text("stuck")).string();
+  const ProgramRun words = run_softfinger(start, {"fem", file, "--level", "1"});
+  EXPECT_EQ(lines(words.out)[1].rfind("2 N: torque ", 0), 0u) << words.out;
+  EXPECT_NE(words.out.find("pad_layer is off by: torque "), std::string::npos) << words.out;
+  expect_refusal({file, "--torsion"}, "of a flat pad");
+  expect_refusal({file, "--set", "contact.load_at_mm=[3.9,0]"}, "");
+}
+
 TEST_F(FemProgram, EndsInWordsWhereMemoryIsShort) {
   const std::string file = write_case();
   // Memory from hardly enough to load the program to plenty: OpenBLAS used to ask for memory in an

@@ -243,8 +243,7 @@ TEST_F(FlatPad, IsRefusedByNameWhereACommandCannotTakeIt) {
   folder.write("sweep.toml", pad_text() + "[sweep]\n\"layer.thickness_mm\" = [1, 2]\n");
   folder.write("data.csv", "load_N,indentation_mm\n1,0.1\n2,0.2\n");
   for (const std::vector<std::string>& command :
-       std::vector<std::vector<std::string>>{{"fem", "pad.toml"},
-                                             {"compare", "pad.toml"},
+       std::vector<std::vector<std::string>>{{"compare", "pad.toml"},
                                              {"select", "pad.toml", "--tolerance", "0.1"},
                                              {"calibrate", "data.csv", "pad.toml"},
                                              {"sweep", "sweep.toml", "--output", "there"}}) {
