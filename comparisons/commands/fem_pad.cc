@@ -46,8 +46,10 @@ std::string first_line(const PadElements& pad, const PadAnswer& model) {
       1e3 * pad.eccentricity_m);
 }
 
+/// No limit: a frictionless rim lifts off by pressing alone; of a stuck one these elements are too
+/// coarse to tell.
 std::string limit_words(const std::optional<double>& limit_Nm) {
-  return limit_Nm ? fmt::format("{:.4g}", 1e3 * *limit_Nm) : std::string("0");
+  return limit_Nm ? fmt::format("{:.4g}", 1e3 * *limit_Nm) : std::string("?");
 }
 
 std::string elements_text(const PadElements& pad, const PadAnswer& model) {
@@ -87,7 +89,7 @@ json elements_json(const PadElements& pad, const PadAnswer& model, double mu) {
   for (const Eigen::Vector2d& vertex : model.problem.shape->outline().vertices_m())
     points.push_back({vertex.x(), vertex.y()});
   json limits = json::array();
-  for (const auto& limit : pad.tilt_limit_Nm) limits.push_back(limit ? json(*limit) : json(0));
+  for (const auto& limit : pad.tilt_limit_Nm) limits.push_back(limit ? json(*limit) : json());
   json result = {
       {"load_N", pad.load_N},
       {"model", "fem"},

@@ -72,7 +72,9 @@ class PadSolver {
         problem_.pressing == PadPressing::frictionless
             ? answer.pressed
             : press_face(face, PadPressing::frictionless, load_on(face, PadPressing::frictionless));
-    if (problem_.pressing == PadPressing::stuck && has_tension(answer.pressed))
+    // Of a load in the middle, coarse elements pull at the singular corners of a stuck rim.
+    if (problem_.pressing == PadPressing::stuck && problem_.load_point_m &&
+        has_tension(answer.pressed))
       refuse_tension(face);
     describe(face, answer);
   }
@@ -89,9 +91,9 @@ class PadSolver {
     const Vector2d limit_m = units_.length_m * tilt_limit(face, problem_.pressing, /*free=*/false);
     const std::array<double, 2> at = problem_.load_point_m.value_or(std::array<double, 2>{});
     throw InputError(problem_.name, "load_point_m", formatted("%g, %g", at[0], at[1]),
-                     formatted("a stuck face has to be pressed everywhere: up to %.3g m from the "
-                               "centre along x, %.3g m along y; a frictionless one lifts off",
-                               limit_m.x(), limit_m.y()));
+                     formatted("a stuck face has to be pressed everywhere: up to %.3g mm from the "
+                               "middle along x, %.3g mm along y; a frictionless one lifts off",
+                               1e3 * limit_m.x(), 1e3 * limit_m.y()));
   }
 
   void describe(const FaceResponse& face, LevelAnswer& answer) const {
