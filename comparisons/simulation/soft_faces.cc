@@ -12,8 +12,7 @@
 
 namespace softfinger::simulation {
 
-/// What decides e_n: the outline, by its area and moments, and its pressure for a load in the
-/// middle.
+/// An outline by the area and moments that decide e_n, and its pressure for a load in the middle.
 struct SoftFaces::Face::Outline {
   double area_m2;
   Eigen::Vector2d centroid_m;

@@ -72,7 +72,7 @@ class PadSolver {
         problem_.pressing == PadPressing::frictionless
             ? answer.pressed
             : press_face(face, PadPressing::frictionless, load_on(face, PadPressing::frictionless));
-    // Of a load in the middle, coarse elements pull at the singular corners of a stuck rim.
+    // Coarse elements pull at the singular corners of a stuck rim even under a load in the middle.
     if (problem_.pressing == PadPressing::stuck && problem_.load_point_m &&
         has_tension(answer.pressed))
       refuse_tension(face);

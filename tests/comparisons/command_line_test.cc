@@ -170,7 +170,7 @@ TEST_F(CommandLine, RefusesAValueThatIsTypedTwice) {
 TEST_F(CommandLine, SaysOfAMissingArgumentWhatItHasToBe) {
   expect_refusal({"export", "seed_thumb"}, {"softfinger export: --to is missing: mujoco, bullet",
                                             "softfinger export --help"});
-  expect_refusal({"mesh"}, {"softfinger mesh: MESH is missing: STL or OBJ", "mesh --help"});
+  expect_refusal({"mesh"}, {"softfinger mesh: MESH is missing: file in STL, OBJ", "mesh --help"});
   expect_refusal({"predict"}, {"CASE is missing", "softfinger predict --help"});
   expect_refusal({"predict", "seed_thumb", "--limit-surface", "1"}, {"predict --help"});
 }

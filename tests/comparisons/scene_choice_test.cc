@@ -113,7 +113,7 @@ TEST(SceneChoice, GivesFiniteElementsTheFingersOwnCurvature) {
 
 TEST(SceneChoice, AllowsHalfOfTheMarginAndTakesATorqueBelowTheToleranceForNone) {
   int calls = 0;
-  const input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/pinch.toml");
+  const input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/lift_box.toml");
   const auto choose = [&](double tolerance) {
     return judgement::choose_for_scene(scene, tolerance, PretendedFem{1, 1e-3, calls}, silent)
         .pairs.front();

@@ -509,7 +509,9 @@ TEST(UnknownErrors, AreThoseThatPredictDoesNotKnow) {
 }
 
 TEST(UnknownErrors, NameSoftBodiesThatAreRigidPoints) {
-  const Simulation pressed = run(pressed_ball("box_size_mm = [20, 20, 20]", 2));
+  // A rod touches along a line.
+  const Simulation pressed =
+      run(pressed_ball("cylinder_radius_length_mm = [10, 20], rotation_deg = [90, 0, 0]", 2));
   ASSERT_EQ(pressed.recording.unknown.size(), 1u);
   EXPECT_EQ(pressed.recording.unknown[0].why, "");
   EXPECT_EQ(pressed.recording.unknown[0].steps, pressed.steps);
