@@ -111,20 +111,14 @@ TEST(SceneChoice, GivesFiniteElementsTheFingersOwnCurvature) {
     EXPECT_LT(pair.utilisation, 0.9) << "an arm of 100 mm holds the object with ease";
 }
 
-TEST(SceneChoice, AllowsHalfOfTheMarginAndTakesATorqueBelowTheToleranceForNone) {
+TEST(SceneChoice, AllowsHalfOfTheMarginOfAContactThatSticks) {
   int calls = 0;
   const input::Scene scene = input::read_scene(SOFTFINGER_SCENES "/lift_box.toml");
-  const auto choose = [&](double tolerance) {
-    return judgement::choose_for_scene(scene, tolerance, PretendedFem{1, 1e-3, calls}, silent)
-        .pairs.front();
-  };
-  const judgement::PairChoice first = choose(1e-3);
-  ASSERT_GT(first.torsion, 0.1);
+  const judgement::PairChoice first =
+      judgement::choose_for_scene(scene, 1e-3, PretendedFem{1, 1e-3, calls}, silent).pairs.front();
   ASSERT_LT(first.utilisation, 1);
   // The margin is that of the first run, which differs by the rounding of impulses at most.
   EXPECT_NEAR(first.allowed_error, (1 - first.utilisation) / 2, 1e-6);
-  EXPECT_NE(choose(0.9 * first.torsion).detail, judgement::ContactDetail::point);
-  EXPECT_EQ(choose(std::min(1., 1.01 * first.torsion)).detail, judgement::ContactDetail::point);
 }
 
 TEST(SceneChoice, GivesNoNumbersBelowWhatASimulationTells) {
