@@ -23,7 +23,8 @@ struct FilePart {
 };
 
 inline void append_number(std::string& bytes, std::uint64_t value, int count) {
-  for (int i = 0; i < count; ++i) bytes += char(value >> (8 * i) & 0xFF);
+  // Zeros follow a number that is shorter than its field.
+  for (int i = 0; i < count; ++i, value >>= 8) bytes += char(value & 0xFF);
 }
 
 /// A ZIP archive whose files are stored as they are, or deflated.
