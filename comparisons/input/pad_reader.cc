@@ -13,7 +13,7 @@ namespace softfinger::input {
 namespace {
 
 constexpr std::size_t kMostOutlinePoints = 200;
-/// Beyond these a pad is none: a micrometre, a kilometre.
+/// The least and the largest length that a pad may have: a micrometre and a kilometre.
 constexpr double kLeastSide_m = 1e-6, kLargestSide_m = 1e3;
 /// Least width over largest of a contact that a pad's theory describes.
 constexpr double kThinnest = 0.02;

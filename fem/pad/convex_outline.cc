@@ -29,7 +29,8 @@ double distance_to_segment(const Eigen::Vector2d& point, const Eigen::Vector2d& 
   return (point - from - share * along).norm();
 }
 
-/// Twice the area that a closed line of points encloses, positive where it runs counter-clockwise.
+/// Returns twice the area that a closed line of points encloses, positive if it runs
+/// counter-clockwise.
 double twice_area(const std::vector<Eigen::Vector2d>& points) {
   double sum = 0;
   for (std::size_t i = 0; i < points.size(); ++i)

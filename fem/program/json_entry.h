@@ -19,7 +19,7 @@ class Entry {
 
   [[noreturn]] void refuse(const std::string& allowed) const;
 
-  /// None where the key is missing or null.
+  /// Returns nothing where the key is missing or null.
   std::optional<Entry> find(const char* key) const;
   Entry at(const char* key) const;
   std::vector<Entry> list(std::size_t fewest, std::size_t most) const;

@@ -83,7 +83,7 @@ class PadModel {
   virtual const ModelCard& card() const noexcept = 0;
   /// Never throws, never allocates, never returns NaN or infinity.
   virtual PadPrediction predict(const PadProblem& problem) const noexcept = 0;
-  /// By forward differentiation, exact to round-off.
+  /// Derivatives by forward differentiation, exact to round-off.
   virtual PadGradient gradient(const PadProblem& problem) const noexcept = 0;
   /// Pressure at a point of the outline's coordinates, 0 outside; may be negative where a load
   /// beyond the limit would lift the face off. Finite at the rim (see `peak_pressure_Pa`).
