@@ -36,5 +36,7 @@ constexpr long kMostEdges = 12;    ///< of one shape: a box has as many
 constexpr long kCrossing = kBearing + 2 * kMostBearing;  ///< + 12 edge of a + edge of b
 }  // namespace slot
 constexpr long kSlots = slot::kCrossing + slot::kMostEdges * slot::kMostEdges;
+/// The number of the pair of shapes that a contact belongs to.
+constexpr long pair_of(long contact_id) { return contact_id / kSlots; }
 
 }  // namespace softfinger::simulation

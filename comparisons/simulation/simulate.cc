@@ -17,6 +17,7 @@
 #include "comparisons/simulation/collision.h"
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/simulation/presliding_contacts.h"
+#include "comparisons/simulation/shape_pair.h"
 #include "comparisons/simulation/soft_faces.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/dynamics/step/time_stepper.h"
@@ -129,6 +130,7 @@ class SceneContacts final : public ContactFinder {
     if (const auto* given = std::get_if<input::GivenEccentricity>(&rule.model))
       contact.eccentricity_m = given->eccentricity_m;
     contact.id = point.id;
+    if (!point.elliptic) contact.face = pair_of(point.id);
     Origin& origin = origins_[point.id];
     origin.friction = &scene_.friction_law(point.a, point.b);
     if (point.elliptic) {

@@ -31,8 +31,6 @@ struct SoftFaces::Face::Outline {
 
 namespace {
 
-long pair_of(long contact_id) { return contact_id / kSlots; }
-
 /// The corners of the convex hull, counter-clockwise (Andrew 1979).
 std::vector<Eigen::Vector2d> hull_corners(std::vector<Eigen::Vector2d> points) {
   std::sort(points.begin(), points.end(), [](const auto& one, const auto& other) {

@@ -321,25 +321,15 @@ void TimeStepper::add_to_root(const std::vector<Touching>& rows, const Eigen::Ma
   }
 }
 
-/// Replaces the tangential velocities of elastic contacts by those of sliding. Points that hold one
-/// face share its force as equal springs do, which give way a million times less than the bodies:
-/// without them the distribution, and with it the centre of pressure, would not be determined. They
-/// come one after the other.
+/// Replaces the tangential velocities of elastic contacts by those of sliding. Faces whose pressure
+/// has a centre always have springs, which are what that centre depends on.
 void TimeStepper::add_compliance() {
-  constexpr double kShare = 1e-6;
-  double spring = 0;
   const double dt = options_.time_step_s;
+  for (Island& island : islands_) add_springs(island, true);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& contact = contacts_[i];
-    const Place& place = place_of_row_[i];
-    if (contact.centre_of_pressure_m) {
-      double& normal = islands_[std::size_t(place.island)].problem.delassus(4 * place.position,
-                                                                            4 * place.position);
-      if (i == 0 || contacts_[i - 1].centre_of_pressure_m != contact.centre_of_pressure_m)
-        spring = kShare * normal;
-      normal += spring;
-    }
     if (contact.compliance.isZero(0)) continue;
+    const Place& place = place_of_row_[i];
     islands_[std::size_t(place.island)].problem.delassus.diagonal().segment<3>(
         4 * place.position + 1) += contact.compliance / (dt * dt);
     problem_.free_velocity.segment<3>(4 * int(i) + 1) -=
@@ -556,6 +546,7 @@ void TimeStepper::continue_other_islands() {
     before.solver.reset();  // taken
     island.capacity = before.capacity;
     island.solved = before.solved;
+    island.faces_slid = before.faces_slid;
   }
 }
 
@@ -615,7 +606,9 @@ ContactLcp TimeStepper::problem() const {
       for (std::size_t j = 0; j < island.rows.size(); ++j)
         whole.delassus.block<4, 4>(4 * island.rows[i], 4 * island.rows[j]) =
             island.problem.delassus.block<4, 4>(4 * int(i), 4 * int(j));
-  const auto has_root = [](const Island& island) { return island.problem.root.cols() > 0; };
+  const auto has_root = [](const Island& island) {
+    return island.problem.root.cols() > 0 && !island.has_springs;
+  };
   if (!std::all_of(islands_.begin(), islands_.end(), has_root)) return whole;
   std::vector<Eigen::Triplet<double>> elements;
   int columns = 0;
@@ -650,6 +643,72 @@ LcpResult TimeStepper::solve(Island& island, StepResult& result) {
   return solved;
 }
 
+/// Whether points of a rigid face slide that share its force with others.
+bool TimeStepper::faces_slide(const Island& island) const {
+  constexpr double kNone = 1e-7;
+  const double least = kNone * island.problem.free_velocity.lpNorm<Eigen::Infinity>();
+  for (std::size_t i = 0; i < island.rows.size(); ++i)
+    if (has_springs(island, i, false) && island.problem.friction_coefficient[int(i)] > 0 &&
+        island.solution.impulse[4 * int(i)] > 0 && island.solution.slip[int(i)] > least)
+      return true;
+  return false;
+}
+
+/// Whether a row is a point of a face with others, rigid or with a centre of pressure.
+bool TimeStepper::has_springs(const Island& island, std::size_t i, bool with_centre) const {
+  const auto face = [&](std::size_t other) {
+    const auto row = std::size_t(island.rows[other]);
+    return row < contacts_.size() ? contacts_[row].face : Contact::kNoFace;
+  };
+  if (face(i) == Contact::kNoFace) return false;
+  if (bool(contacts_[std::size_t(island.rows[i])].centre_of_pressure_m) != with_centre)
+    return false;
+  return (i > 0 && face(i - 1) == face(i)) ||
+         (i + 1 < island.rows.size() && face(i + 1) == face(i));
+}
+
+/// Equal springs under the points of each face.
+/// @param sign  -1: takes them out again
+void TimeStepper::add_springs(Island& island, bool with_centre, double sign) const {
+  constexpr double kSpring = 1e-6;
+  double spring = 0;
+  long face = Contact::kNoFace;
+  for (std::size_t i = 0; i < island.rows.size(); ++i) {
+    if (!has_springs(island, i, with_centre)) continue;
+    double& normal = island.problem.delassus(4 * Eigen::Index(i), 4 * Eigen::Index(i));
+    const long own = contacts_[std::size_t(island.rows[i])].face;
+    if (own != face) spring = kSpring * normal;
+    face = own;
+    normal += sign * spring;
+  }
+}
+
+LcpResult TimeStepper::solve_with_springs(Island& island, StepResult& result) {
+  add_springs(island, false);
+  island.has_springs = true;
+  island.problem.root.swap(no_root_);
+  const LcpResult solved = solve(island, result);
+  island.problem.root.swap(no_root_);
+  return solved;
+}
+
+/// Solves an island, with springs if its rigid faces slide.
+LcpResult TimeStepper::solve_faces(Island& island, StepResult& result) {
+  island.has_springs = false;
+  LcpResult solved;
+  if (!island.faces_slid) {
+    solved = solve(island, result);
+    if (solved.status != LcpStatus::solved || !faces_slide(island)) return solved;
+    island.solved = false;  // of many solutions: the one with springs may be far from it
+  }
+  solved = solve_with_springs(island, result);
+  island.faces_slid = solved.status == LcpStatus::solved && faces_slide(island);
+  if (solved.status == LcpStatus::solved) return solved;
+  add_springs(island, false, -1);
+  island.has_springs = false;
+  return solve(island, result);
+}
+
 LcpResult TimeStepper::solve_islands(StepResult& result) {
   LcpResult all;
   all.status = LcpStatus::solved;
@@ -660,7 +719,7 @@ LcpResult TimeStepper::solve_islands(StepResult& result) {
       island.solved = false;
       continue;
     }
-    const LcpResult solved = solve(island, result);
+    const LcpResult solved = solve_faces(island, result);
     all.pivots += solved.pivots;
     all.attempts = std::max(all.attempts, solved.attempts);
     all.solved_by = std::max(all.solved_by, solved.solved_by);  // the lowest rung

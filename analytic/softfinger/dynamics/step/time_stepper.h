@@ -10,47 +10,9 @@
 #include "softfinger/dynamics/bodies/multibody.h"
 #include "softfinger/dynamics/bodies/smooth_motion.h"
 #include "softfinger/dynamics/contacts/contact_lcp.h"
-#include "softfinger/dynamics/step/eccentricity_law.h"
+#include "softfinger/dynamics/step/contact.h"
 
 namespace softfinger {
-
-/// A point at which two bodies touch, or are about to.
-struct Contact {
-  int a = -1, b = -1;                                 ///< bodies
-  Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< halfway between the surfaces
-  /// Friction acts here, if it acts elsewhere than the normal force. Points that hold one face
-  /// share the pressure's centre: limits of the same shape about the same point add up to one limit
-  /// of the face's whole normal force, however that is distributed over the points.
-  std::optional<Eigen::Vector3d> centre_of_pressure_m;
-  const Eigen::Vector3d& friction_point_m() const {
-    return centre_of_pressure_m ? *centre_of_pressure_m : point_m;
-  }
-  /// Columns: along the contact ellipse's long axis, its short axis, the normal from `a` to `b`.
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  double gap_m = 0;                                   ///< negative: the bodies overlap
-  double friction_coefficient = 0;                    ///< mu, unless the law has it
-  double restitution = 0;                             ///< 0 to 1, see TimeStepper
-  double eccentricity_m = 0;                          ///< e_n, unless there is a law
-  const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
-  const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
-  static constexpr long kNoId = -1;
-  long id = kNoId;  ///< the same from step to step for as long as the contact lasts
-  /// Elastic compliance of the contact before it slides, along the axes and about the normal (m/N,
-  /// m/N, rad/(N m)). The friction wrench on body `b` at the end of the step is `elastic_wrench`,
-  /// its value at the start, minus the step's elastic displacement over the compliance. Zero: the
-  /// contact is rigid until it slides. See presliding.h.
-  Eigen::Vector3d compliance = Eigen::Vector3d::Zero();
-  Eigen::Vector3d elastic_wrench = Eigen::Vector3d::Zero();
-};
-
-/// Collision detection and contact geometry.
-class ContactFinder {
- public:
-  virtual ~ContactFinder() = default;
-  /// Appends the contacts of the current poses. `time_step_s`: how far ahead they may be needed.
-  virtual void find(const Multibody& bodies, double time_step_s,
-                    std::vector<Contact>& contacts) = 0;
-};
 
 /// Drives a joint: effort = stiffness (target - position) + damping (target velocity - velocity) +
 /// feed-forward, within +-max_effort. Stiffness and damping act implicitly, at the end of the step:
@@ -114,6 +76,10 @@ struct StepResult {
 /// not touch stays. Joint limits are contacts without friction. The dry friction of joints is part
 /// of the same problem, too: an effort of at most that size which holds the joint where it can, and
 /// else opposes its velocity.
+///
+/// The points of a flat face share its force as equal springs do, which give way a million times
+/// less than the bodies. Rigid bodies leave open how much each bears, and with it the torque that a
+/// pressed face holds. Where no rigid face slides that changes no motion, and there are no springs.
 ///
 /// If a contact is elastic, the step uses its sliding velocity in place of its tangential velocity
 /// J v':
@@ -197,6 +163,9 @@ class TimeStepper {
   void add_to_root(const std::vector<Touching>& rows, const Eigen::MatrixXd& half);
   void add_tree(std::size_t tree);
   void add_compliance();
+  bool faces_slide(const Island& island) const;
+  bool has_springs(const Island& island, std::size_t row, bool with_centre) const;
+  void add_springs(Island& island, bool with_centre, double sign = 1) const;
   void add_dry_friction();
   double approach_m_per_s(const Contact& contact) const;
   Eigen::VectorXd row_velocities(const Eigen::VectorXd& velocity) const;
@@ -209,6 +178,8 @@ class TimeStepper {
   void continue_row(Island& island, std::size_t i, const Island& before, int position);
   void describe(Island& island);
   LcpResult solve(Island& island, StepResult& result);
+  LcpResult solve_with_springs(Island& island, StepResult& result);
+  LcpResult solve_faces(Island& island, StepResult& result);
   LcpResult solve_islands(StepResult& result);
   int update_motors(bool one_only);
   SmoothMotion::Forces forces_on(std::size_t tree) const;
@@ -248,6 +219,7 @@ class TimeStepper {
   bool rebounds_ = false;  ///< some contact, in this step
   ContactLcp problem_;     ///< of all rows, without W: each island has its own
   ContactSolution solution_;
+  Eigen::SparseMatrix<double> no_root_;  ///< of islands whose faces have springs
   std::vector<Place> place_of_row_, last_places_;
   /// The largest entry of each contact's normal row, and of its first three rows.
   std::vector<std::pair<double, double>> opening_;
@@ -263,6 +235,8 @@ class TimeStepper {
     std::optional<ConsistentContactSolver> solver;
     int capacity = 0;
     bool solved = false;                     ///< the last problem given to `solver`
+    bool faces_slid = false;                 ///< in the last step
+    bool has_springs = false;                ///< the problem's W, under rigid faces that slide
     std::vector<int> continued;              ///< see ContactLcpSolver::solve
     Eigen::VectorXd earlier_eccentricity_m;  ///< a step before that of `problem`; 0: none
     long step = -1;                          ///< in which it was found
