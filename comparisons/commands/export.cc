@@ -221,6 +221,8 @@ void add_export(CLI::App& app, Action& action) {
       "case the largest force / load, exported as mu, depends on the load too; e_n is then over "
       "the\n"
       "largest force, and both errors are stated.\n"
+      "A flat pad is exported as a box whose corners lie at e_n from its middle, and as one point: "
+      "docs/flat_pads.md.\n"
       "Samples:\n"
       "  softfinger export silicone_pad_2mm --to mujoco\n"
       "  softfinger export seed_thumb --to drake --load 2 --load-range 0.5,8\n"

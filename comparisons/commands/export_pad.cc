@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "comparisons/commands/number_option.h"
-#include "comparisons/prediction/pad_answer.h"
+#include "comparisons/exporting/pad_contact.h"
 #include "comparisons/system/files.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/percent.h"
@@ -15,84 +15,99 @@
 namespace softfinger::commands {
 namespace {
 
-constexpr const char* kOnePoint =
-    "these numbers belong to ONE contact point in the middle of the pad (a small sphere or capsule "
-    "there). A box on a plane makes four points at its corners, whose forces alone carry about "
-    "twice "
-    "a pad's torque: with a box take condim 3 and no spinning friction, and know that it holds too "
-    "much";
+using exporting::Lines;
+using exporting::PadContact;
+using exporting::Simulator;
+
+double bound_of_torque(const PadContact& made) {
+  return made.answer.bound ? made.answer.bound->max_torque : kNaN;
+}
+
+nlohmann::json values_json(const Lines& lines) {
+  nlohmann::json values = nlohmann::json::object();
+  for (const auto& [name, value] : lines.values) values[name] = text::finite_or_null(value);
+  return values;
+}
+
+nlohmann::json to_json(const PadContact& made, const Simulator& simulator,
+                       const input::Case& contact_case, bool told) {
+  const exporting::SoftContact& contact = made.contact;
+  const Lines lines = simulator.lines(contact), box_lines = simulator.box_lines(contact);
+  nlohmann::json result = to_json(made.answer, 0);
+  result["recommended"] = true;
+  nlohmann::json traps = nlohmann::json::array({exporting::kPadPoints});
+  for (const auto trap : simulator.traps) traps.push_back(trap);
+  return {{"case", contact_case.id},
+          {"simulator", simulator.name},
+          {"law", simulator.law},
+          {"model", made.answer.model->card().name},
+          {"load_N", contact.load_N},
+          {"friction_coefficient", contact.friction_coefficient},
+          {"eccentricity_m", text::finite_or_null(contact.eccentricity_m)},
+          {"usable", made.answer.usable},
+          {"error_bound", text::finite_or_null(bound_of_torque(made))},
+          {"error_evidence", made.answer.evidence},
+          {"normal_stiffness_N_per_m", text::finite_or_null(contact.normal_stiffness_N_per_m)},
+          {"lines", told ? nlohmann::json(lines.text) : nlohmann::json()},
+          {"values", told ? values_json(lines) : nlohmann::json()},
+          {"box_lines", told ? nlohmann::json(box_lines.text) : nlohmann::json()},
+          {"box_values", told ? values_json(box_lines) : nlohmann::json()},
+          {"controller",
+           {{"torsional_length_m", text::finite_or_null(contact.eccentricity_m)},
+            {"tipping_half_lengths_m", made.tipping_half_lengths_m()},
+            {"lift_off_half_lengths_m", made.lift_off_half_lengths_m()}}},
+          {"results", {result}},
+          {"traps", traps}};
+}
+
+std::string answer_text(const PadContact& made) {
+  const double bound = bound_of_torque(made);
+  return fmt::format("{:g} N: {}torque {:.3g} mN·m ± {}, by {}; e_n {:.3g} mm at any load{}\n",
+                     made.contact.load_N, made.answer.usable ? "" : "NOT USABLE: ",
+                     1e3 * made.answer.friction_ellipsoid().max_torque_Nm(),
+                     std::isfinite(bound) ? text::percent(bound) : "?",
+                     made.answer.model->card().name, 1e3 * made.contact.eccentricity_m,
+                     made.answer.usable ? "" : "; " + made.answer.evidence);
+}
+
+std::string lines_text(const PadContact& made, const Simulator& simulator) {
+  const exporting::SoftContact& contact = made.contact;
+  const auto tipping_m = made.tipping_half_lengths_m(), lift_off_m = made.lift_off_half_lengths_m();
+  std::string text = fmt::format(
+      "\n{}\n{}\n{}: {}\nNormal stiffness dP/dd {:.4g} N/mm\n"
+      "Controllers (MPC, whole-body): |torque| <= mu P {:.4g} mm; the centre of pressure within "
+      "±{:.4g} x ±{:.4g} mm, or the pad tips; within ±{:.3g} along x or ±{:.3g} along y no rim "
+      "lifts "
+      "off\n- {}\n",
+      simulator.box_lines(contact).text, simulator.lines(contact).text, simulator.title,
+      simulator.law, 1e-3 * contact.normal_stiffness_N_per_m, 1e3 * contact.eccentricity_m,
+      1e3 * tipping_m[0], 1e3 * tipping_m[1], 1e3 * lift_off_m[0], 1e3 * lift_off_m[1],
+      exporting::kPadPoints);
+  for (const auto trap : simulator.traps) text += fmt::format("- {}\n", trap);
+  return text;
+}
 
 }  // namespace
 
-int export_pad(const exporting::Simulator& simulator, const input::Case& contact_case,
+int export_pad(const Simulator& simulator, const input::Case& contact_case,
                const ContactChoice& choice, bool json) {
-  if (simulator.name != "mujoco")
-    throw InputError("command line", "--to", std::string(simulator.name),
-                     "mujoco for a flat pad so far; for others softfinger predict states mu and "
-                     "e_n, which do not depend on the load");
   if (!choice.model.empty())
     throw InputError("command line", "--model", choice.model, "none for a flat pad: pad_layer");
   if (!choice.load_range.empty())
     throw InputError("command line", "--load-range", choice.load_range,
                      "none for a flat pad: its e_n does not depend on the load");
-  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
-  const PadShape shape(pair.contact);
   double load_N = contact_case.loads_N.front();
   if (!choice.load.empty()) load_N = number_of("--load", choice.load, "a number > 0, in N");
   if (!(load_N > 0) || !std::isfinite(load_N))
     throw InputError("command line", "--load", choice.load, "a number > 0, in N");
-  const prediction::PadAnswer answer = prediction::ask_pad_model(
-      *find_pad_model("pad_layer"), contact_case, shape, load_N, choice.demand.demand(), 0);
-  const FrictionEllipsoid limit = answer.friction_ellipsoid();
-  exporting::SoftContact contact;
-  contact.friction_coefficient = answer.problem.load.friction_coefficient;
-  contact.load_N = load_N;
-  contact.eccentricity_m = limit.eccentricity_m;
-  contact.indentation_m = answer.prediction.indentation_m;
-  contact.normal_stiffness_N_per_m = answer.prediction.normal_stiffness_N_per_m;
-  contact.origin = fmt::format("{}, pad_layer, {:g} N", contact_case.id, load_N);
-  const exporting::Lines lines = simulator.lines(contact);
-  const bool told = answer.usable || choice.force;
-  const double bound = answer.bound ? answer.bound->max_torque : kNaN;
-  if (json) {
-    nlohmann::json values = nlohmann::json::object();
-    for (const auto& [name, value] : lines.values) values[name] = text::finite_or_null(value);
-    nlohmann::json result = to_json(answer, 0);
-    result["recommended"] = true;
-    nlohmann::json traps = nlohmann::json::array({kOnePoint});
-    for (const auto trap : simulator.traps) traps.push_back(trap);
-    system::write_to_stdout(text::printed(
-        {{"case", contact_case.id},
-         {"simulator", simulator.name},
-         {"model", "pad_layer"},
-         {"load_N", load_N},
-         {"friction_coefficient", contact.friction_coefficient},
-         {"eccentricity_m", text::finite_or_null(limit.eccentricity_m)},
-         {"usable", answer.usable},
-         {"error_bound", text::finite_or_null(bound)},
-         {"error_evidence", answer.evidence},
-         {"normal_stiffness_N_per_m", text::finite_or_null(contact.normal_stiffness_N_per_m)},
-         {"lines", told ? nlohmann::json(lines.text) : nlohmann::json()},
-         {"values", told ? values : nlohmann::json()},
-         {"results", {result}},
-         {"traps", traps}}));
-    return answer.usable ? 0 : 1;
-  }
-  std::string text =
-      fmt::format("{:g} N: {}torque {:.3g} mN·m ± {}, by pad_layer; e_n {:.3g} mm at any load{}\n",
-                  load_N, answer.usable ? "" : "NOT USABLE: ", 1e3 * limit.max_torque_Nm(),
-                  std::isfinite(bound) ? text::percent(bound) : "?", 1e3 * limit.eccentricity_m,
-                  answer.usable ? "" : "; " + answer.evidence);
-  if (told) {
-    text += fmt::format("\n{}\n{}: {}\nNormal stiffness dP/dd {:.4g} N/mm\n- {}\n", lines.text,
-                        simulator.title, simulator.law, 1e-3 * contact.normal_stiffness_N_per_m,
-                        kOnePoint);
-    for (const auto trap : simulator.traps) text += fmt::format("- {}\n", trap);
-  } else {
-    text += kHowToForce;
-  }
-  system::write_text_to_stdout(text);
-  return answer.usable ? 0 : 1;
+  const PadContact made = exporting::ask_pad_contact(contact_case, load_N, choice.demand.demand());
+  const bool told = made.answer.usable || choice.force;
+  if (json)
+    system::write_to_stdout(text::printed(to_json(made, simulator, contact_case, told)));
+  else
+    system::write_text_to_stdout(answer_text(made) +
+                                 (told ? lines_text(made, simulator) : std::string(kHowToForce)));
+  return made.answer.usable ? 0 : 1;
 }
 
 }  // namespace softfinger::commands

@@ -6,10 +6,10 @@
 
 namespace softfinger::commands {
 
-/// `softfinger export` of a flat pad: the lines for one contact point in the pad's middle, whose
-/// torque over load does not depend on the load. For MuJoCo so far.
+/// `softfinger export` of a flat pad: the lines for a box whose corners have the pad's torque, and
+/// for one contact point in its middle. Torque over load does not depend on the load.
 /// @return exit status
-/// @throws InputError for another simulator, and for a model of curved contacts
+/// @throws InputError for a model of curved contacts, and for a range of loads
 int export_pad(const exporting::Simulator& simulator, const input::Case& contact_case,
                const ContactChoice& choice, bool json);
 

@@ -15,6 +15,11 @@ const Simulator* find_simulator(std::string_view name) {
   return nullptr;
 }
 
+std::string without_double_hyphens(std::string text) {
+  for (std::size_t at; (at = text.find("--")) != std::string::npos;) text.replace(at, 2, "-");
+  return text;
+}
+
 BestConstant best_constant(double least, double largest) {
   return {2 / (1 / least + 1 / largest), (largest - least) / (largest + least)};
 }
@@ -56,9 +61,7 @@ SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, 
   if (fit == Fit::range)
     contact.origin += fmt::format(", best for {:g} to {:g} N", curve.points.front().load_N,
                                   curve.points.back().load_N);
-  // A case's name may contain two hyphens in a row, which end an XML comment.
-  for (std::size_t at; (at = contact.origin.find("--")) != std::string::npos;)
-    contact.origin.replace(at, 2, "-");
+  contact.origin = without_double_hyphens(contact.origin);
   return contact;
 }
 

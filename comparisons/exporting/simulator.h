@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "comparisons/exporting/pad_face.h"
 #include "softfinger/input/contact_problem.h"
 
 namespace softfinger::exporting {
@@ -19,7 +21,8 @@ struct SoftContact {
   double eccentricity_m = 0;            ///< e_n that the simulator should have at that load
   double indentation_m = 0;             ///< of the model, at that load
   double normal_stiffness_N_per_m = 0;  ///< dP/dd of the model, at that load
-  RelativeRadii radii;                  ///< of the gap, at that load
+  RelativeRadii radii;                  ///< of the gap, at that load; of no meaning beside a face
+  std::optional<PadFace> face;          ///< of a flat pad
   std::string origin;                   ///< "silicone_pad_2mm, bonded_layer, 2 N", for comments
 
   /// Largest torque about the normal per newton of load: mu e_n.
@@ -41,8 +44,11 @@ struct Simulator {
   /// In the simulator, e_n is proportional to P to this power; 0 where the torque is a constant
   /// times the load.
   double load_exponent = 0;
-  double least_torque_per_load_m = 0;  ///< the simulator raises smaller values to it
-  Lines (*lines)(const SoftContact&) = nullptr;
+  double least_torque_per_load_m = 0;            ///< the simulator raises smaller values to it
+  Lines (*lines)(const SoftContact&) = nullptr;  ///< for one contact point, or one pressed patch
+  /// For a pad's face as several points, at `PadFace::corner_box_m`, whose forces alone carry the
+  /// torque.
+  Lines (*box_lines)(const SoftContact&) = nullptr;
   std::vector<std::string_view> traps;  ///< peculiarities that change the result, a line each
   bool has_torque = true;               ///< false: the simulator has no torsional friction at all
 };
@@ -52,6 +58,9 @@ const std::vector<Simulator>& all_simulators();
 
 /// Null when there is none of this name.
 const Simulator* find_simulator(std::string_view name);
+
+/// A case's name may contain two hyphens in a row, which end an XML comment.
+std::string without_double_hyphens(std::string text);
 
 /// One number in place of one that varies between two positive ends.
 struct BestConstant {

@@ -121,5 +121,61 @@ TEST_F(BulletExport, HasNoSpinningFrictionWithoutRollingFriction) {
               kTolerance);
 }
 
+constexpr double kPadInertia_kgm2 = 1e-4;
+
+/// A flat pad as the exported box, twisted for half a second by a share of the stated torque.
+double turning_of_pad_rad_per_s(double share, bool by_own_face) {
+  TemporaryFolder folder;
+  const ProgramRun run = run_softfinger(
+      {folder.path(), {}, -1, "", ""},
+      {"export", "--pad-mm", "22,37.5", "--thickness-mm", "3", "--youngs-modulus-kPa", "800",
+       "--poisson-ratio", "0.49", "--load", "20", "--friction", "0.9", "--to", "bullet", "--json"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  const json exported = json::parse(run.out), values = exported["box_values"];
+  const double load_N = 20,
+               torque_Nm = share * 0.9 * load_N * exported["eccentricity_m"].get<double>();
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher(&configuration);
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver solver;
+  btDiscreteDynamicsWorld world(&dispatcher, &broadphase, &solver, &configuration);
+  world.setGravity(btVector3(0, 0, 0));
+  world.getSolverInfo().m_numIterations = 200;
+  const auto real = [](double value) { return static_cast<btScalar>(value); };
+  const btScalar half_height = real(0.02), inertia = real(kPadInertia_kgm2);
+  btBoxShape block_shape(btVector3(1, 1, real(0.1)));
+  btBoxShape pad_shape(by_own_face ? btVector3(real(11e-3), real(18.75e-3), half_height)
+                                   : btVector3(real(values["box_half_length_x_m"]),
+                                               real(values["box_half_length_y_m"]), half_height));
+  pad_shape.setMargin(real(1e-4));
+  btRigidBody block(0, nullptr, &block_shape);
+  btRigidBody pad(real(0.1), nullptr, &pad_shape, btVector3(inertia, inertia, inertia));
+  block.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 0, real(-0.1))));
+  pad.setWorldTransform(btTransform(btQuaternion::getIdentity(), btVector3(0, 0, half_height)));
+  pad.setActivationState(DISABLE_DEACTIVATION);
+  pad.setFriction(real(values["sliding_friction"]));
+  block.setFriction(real(values["object_sliding_friction"]));
+  world.addRigidBody(&block);
+  world.addRigidBody(&pad);
+  for (int i = 0; i < 1000; ++i) {
+    pad.applyCentralForce(btVector3(0, 0, real(-load_N)));
+    if (i >= 500) pad.applyTorque(btVector3(0, 0, real(torque_Nm)));
+    world.stepSimulation(real(kTimeStep_s), 0, real(kTimeStep_s));
+  }
+  const double turning = static_cast<double>(pad.getAngularVelocity().z());
+  world.removeRigidBody(&pad);
+  world.removeRigidBody(&block);
+  return turning;
+}
+
+// As with one point, the friction does not know the torque of the step itself.
+TEST(BulletPad, SlipsByTheForcesAtABoxsCorners) {
+  const double creep_rad_per_s = 0.9 * 20 * 9.878e-3 * kTimeStep_s / kPadInertia_kgm2;
+  EXPECT_NEAR(turning_of_pad_rad_per_s(0.97, false) / creep_rad_per_s, 0.97, 0.02);
+  // Without friction it would turn at 890 rad/s by then, against the stated torque at 27.
+  EXPECT_NEAR(turning_of_pad_rad_per_s(1.03, false), 27, 5);
+  EXPECT_NEAR(turning_of_pad_rad_per_s(2, true) / creep_rad_per_s, 2, 0.02);
+}
+
 }  // namespace
 }  // namespace softfinger::tests

@@ -36,6 +36,12 @@ class FlatPad : public testing::Test {
     EXPECT_EQ(run.status, 0) << run.err;
     return json::parse(run.out)["results"];
   }
+  json exported(const std::string& simulator) {
+    const ProgramRun run =
+        run_softfinger(start, {"export", "pad.toml", "--to", simulator, "--json"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return json::parse(run.out);
+  }
   void expect_refusal(const ProgramRun& run, const std::string& words) {
     EXPECT_EQ(run.status, 2) << run.out;
     EXPECT_EQ(run.out, "");
@@ -252,17 +258,96 @@ TEST_F(FlatPad, IsRefusedByNameWhereACommandCannotTakeIt) {
   }
 }
 
+constexpr const char* kSimulators[] = {"bullet", "drake",  "gazebo", "gz-sim",
+                                       "mujoco", "newton", "physx",  "usd"};
+
 TEST_F(FlatPad, IsExportedAsOneContactPoint) {
   folder.write("pad.toml", pad_text());
   const ProgramRun run = run_softfinger(start, {"export", "pad.toml", "--to", "mujoco"});
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_NE(run.out.find("condim=\"4\""), std::string::npos);
-  EXPECT_NE(run.out.find("ONE contact point"), std::string::npos);
-  const json made =
-      json::parse(run_softfinger(start, {"export", "pad.toml", "--to", "mujoco", "--json"}).out);
-  EXPECT_NEAR(made["values"]["spinning_friction_m"].get<double>(),
-              0.9 * answers(pad_text())[0]["eccentricity_m"].get<double>(), 1e-12);
-  expect_refusal(run_softfinger(start, {"export", "pad.toml", "--to", "bullet"}), "mujoco");
+  EXPECT_NE(run.out.find("- take the box"), std::string::npos);
+  const double e_m = answers(pad_text())[0]["eccentricity_m"];
+  const json mujoco = exported("mujoco")["values"], bullet = exported("bullet")["values"],
+             gazebo = exported("gazebo")["values"], physx = exported("physx")["values"],
+             newton = exported("newton")["values"], usd = exported("usd")["values"],
+             gz_sim = exported("gz-sim")["values"];
+  // Each engine's law, from its documentation: the largest torque over the load is mu e_n.
+  EXPECT_NEAR(mujoco["spinning_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
+  EXPECT_NEAR(bullet["spinning_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
+  EXPECT_NEAR(3 * M_PI / 16 * gazebo["patch_radius_m"].get<double>(), e_m, 1e-12);
+  EXPECT_NEAR(physx["min_torsional_patch_radius_m"].get<double>(), e_m, 1e-12);
+  EXPECT_NEAR(newton["torsional_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
+  EXPECT_NEAR(usd["torsional_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
+  EXPECT_NEAR(gz_sim["three_points_radius_m"].get<double>(), e_m, 1e-12);
+}
+
+TEST_F(FlatPad, IsExportedAsABoxWhoseCornersHaveItsTorque) {
+  folder.write("pad.toml", pad_text());
+  for (const char* simulator : kSimulators) {
+    SCOPED_TRACE(simulator);
+    const json made = exported(simulator), box = made["box_values"];
+    const double x_m = box["box_half_length_x_m"], y_m = box["box_half_length_y_m"];
+    EXPECT_NEAR(std::hypot(x_m, y_m), made["eccentricity_m"].get<double>(), 1e-12);
+    EXPECT_NEAR(x_m / y_m, 22 / 37.5, 1e-12);
+    EXPECT_NE(made["box_lines"].get<std::string>().find("0.9"), std::string::npos);
+    EXPECT_FALSE(made["law"].get<std::string>().empty());
+    const ProgramRun run = run_softfinger(start, {"export", "pad.toml", "--to", simulator});
+    EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_NE(run.out.find(made["box_lines"].get<std::string>()), std::string::npos);
+    EXPECT_NE(run.out.find(made["lines"].get<std::string>()), std::string::npos);
+  }
+  // A load beside the middle takes torque from one point; from the box it does so by itself.
+  const json middle = exported("mujoco");
+  folder.write("pad.toml",
+               pad_text("{ pad_mm = [22, 37.5] }", "{ flat = true }", "load_at_mm = [0, 3.4]"));
+  const json beside = exported("mujoco");
+  EXPECT_LT(beside["eccentricity_m"].get<double>(), 0.98 * middle["eccentricity_m"].get<double>());
+  EXPECT_EQ(beside["box_values"], middle["box_values"]);
+}
+
+/// int r dA/A over a rectangle around its middle, by the midpoint rule.
+double mean_distance_m(double half_x_m, double half_y_m) {
+  constexpr int kCells = 400;
+  double sum_m = 0;
+  for (int i = 0; i < kCells; ++i)
+    for (int j = 0; j < kCells; ++j)
+      sum_m += std::hypot((i + 0.5) / kCells * half_x_m, (j + 0.5) / kCells * half_y_m);
+  return sum_m / (kCells * kCells);
+}
+
+TEST_F(FlatPad, IsExportedAsAFoundationWithItsTorqueAndStiffness) {
+  folder.write("pad.toml", pad_text());
+  const json drake = exported("drake"), values = drake["values"];
+  const double x_m = values["pressed_box_half_length_x_m"],
+               y_m = values["pressed_box_half_length_y_m"], e_m = drake["eccentricity_m"],
+               area_m2 = 4 * x_m * y_m;
+  EXPECT_NEAR(mean_distance_m(x_m, y_m) / e_m, 1, 1e-5);
+  // Pressure is modulus times depth over the depth of the innermost point, half the thickness.
+  EXPECT_NEAR(values["hydroelastic_modulus_Pa"].get<double>() * area_m2 / 1.5e-3 /
+                  drake["normal_stiffness_N_per_m"].get<double>(),
+              1, 1e-9);
+  EXPECT_NEAR(values["own_face_torque_error"].get<double>(),
+              mean_distance_m(11e-3, 18.75e-3) / e_m - 1, 1e-5);
+  const json newton = exported("newton");
+  EXPECT_NEAR(newton["values"]["kh_N_per_m3"].get<double>() * area_m2 /
+                  newton["normal_stiffness_N_per_m"].get<double>(),
+              1, 1e-9);
+}
+
+TEST_F(FlatPad, TellsAControllerHowFarThePressureMayMove) {
+  folder.write("pad.toml", pad_text());
+  const json plain = exported("mujoco"), controller = plain["controller"];
+  EXPECT_EQ(controller["torsional_length_m"], plain["eccentricity_m"]);
+  EXPECT_NEAR(controller["tipping_half_lengths_m"][0].get<double>(), 11e-3, 1e-12);
+  EXPECT_NEAR(controller["tipping_half_lengths_m"][1].get<double>(), 18.75e-3, 1e-12);
+  for (int axis = 0; axis < 2; ++axis)
+    EXPECT_NEAR(controller["lift_off_half_lengths_m"][axis].get<double>(),
+                plain["results"][0]["tilt_limit_Nm"][1 - axis].get<double>() / 20, 1e-12);
+  folder.write("pad.toml", pad_text("{ pad_diameter_mm = 20 }"));
+  // A square in the circle, which is a polygon of 40 corners.
+  for (const double half_m : exported("mujoco")["controller"]["tipping_half_lengths_m"])
+    EXPECT_NEAR(half_m, 10e-3 / std::sqrt(2.), 0.05e-3);
 }
 
 TEST_F(FlatPad, HasItsOwnInitAndCards) {

@@ -41,6 +41,26 @@ Lines lines(const SoftContact& contact) {
        {"object_sliding_friction", 1.0}}};
 }
 
+Lines box_lines(const SoftContact& contact) {
+  const auto [x_m, y_m] = contact.face->corner_box_m();
+  return {
+      fmt::format(
+          "# {origin}. A box in place of the pad's face, its corners at e_n = {e:.6g} m from the "
+          "middle: they slip together at mu e_n P\n"
+          "pad = p.createCollisionShape(p.GEOM_BOX, halfExtents=[{x:.6g}, {y:.6g}, {z:.6g}])\n"
+          "p.changeDynamics(finger, link, lateralFriction={mu:.6g}, spinningFriction=0, "
+          "rollingFriction=0)\n"
+          "p.changeDynamics(object, -1, lateralFriction=1, spinningFriction=0, "
+          "rollingFriction=0)\n",
+          fmt::arg("origin", contact.origin), fmt::arg("mu", contact.friction_coefficient),
+          fmt::arg("e", contact.face->eccentricity_m), fmt::arg("x", x_m), fmt::arg("y", y_m),
+          fmt::arg("z", contact.face->thickness_m / 2)),
+      {{"sliding_friction", contact.friction_coefficient},
+       {"object_sliding_friction", 1.0},
+       {"box_half_length_x_m", x_m},
+       {"box_half_length_y_m", y_m}}};
+}
+
 }  // namespace
 
 Simulator bullet_simulator() {
@@ -51,6 +71,7 @@ Simulator bullet_simulator() {
       0,
       0,
       lines,
+      box_lines,
       {"below the limit the contact does not hold, it turns at torque x time step / moment of "
        "inertia for ever (rigid bodies; some 0.05 to 2 rad/s for grams and newtons at 1 ms): the "
        "friction takes the spin of the step's start, and not what an applied torque adds within "

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "comparisons/exporting/simulator.h"
@@ -46,7 +47,62 @@ double Foundation::normal_stiffness_N_per_m() const {
 
 namespace {
 
+Lines pressed_lines(const SoftContact& contact) {
+  const PressedBox box = pressed_box(contact);
+  const auto [x_m, y_m] = box.half_lengths_m;
+  const double depth_m = std::min({contact.face->thickness_m / 2, x_m, y_m});
+  const double modulus_Pa = box.stiffness_Pa_per_m * depth_m;
+  return {
+      fmt::format(
+          "<!-- {origin}. The pressure under a flat face is uniform here, and a pad's is higher "
+          "in its middle: on the pad's own face the torque would be off by {error:+.1f} %. So "
+          "the box is smaller, and has the pad's e_n {e:.6g} m. Modulus: Pa, the pad's dP/dd "
+          "over the box's area, {stiffness:.6g} Pa/m, times the box's depth {depth:.6g} m -->\n"
+          "<geometry><box><size>{x:.6g} {y:.6g} {z:.6g}</size></box></geometry>\n"
+          "<drake:proximity_properties>\n"
+          "  <drake:compliant_hydroelastic/>\n"
+          "  <drake:hydroelastic_modulus>{modulus:.6g}</drake:hydroelastic_modulus>\n"
+          "  <drake:mu_static>{mu:.6g}</drake:mu_static>\n"
+          "  <drake:mu_dynamic>{mu:.6g}</drake:mu_dynamic>\n"
+          "</drake:proximity_properties>\n"
+          "<!-- the object: <drake:rigid_hydroelastic/> and the same mu_static, mu_dynamic -->\n",
+          fmt::arg("origin", contact.origin), fmt::arg("error", 100 * box.own_face_error),
+          fmt::arg("e", contact.face->eccentricity_m),
+          fmt::arg("stiffness", box.stiffness_Pa_per_m), fmt::arg("depth", depth_m),
+          fmt::arg("x", 2 * x_m), fmt::arg("y", 2 * y_m), fmt::arg("z", contact.face->thickness_m),
+          fmt::arg("modulus", modulus_Pa), fmt::arg("mu", contact.friction_coefficient)),
+      {{"hydroelastic_modulus_Pa", modulus_Pa},
+       {"foundation_stiffness_Pa_per_m", box.stiffness_Pa_per_m},
+       {"depth_m", depth_m},
+       {"pressed_box_half_length_x_m", x_m},
+       {"pressed_box_half_length_y_m", y_m},
+       {"own_face_torque_error", box.own_face_error},
+       {"sliding_friction", contact.friction_coefficient}}};
+}
+
+/// Point contact makes one point for each pair of shapes.
+Lines box_lines(const SoftContact& contact) {
+  const auto [x_m, y_m] = contact.face->corner_box_m();
+  return {fmt::format(
+              "<!-- {origin}. For contact_model point, which makes one point for each pair of "
+              "shapes and no torque there: four small spheres that touch at (+-{x:.6g}, +-{y:.6g}) "
+              "m from the pad's middle, e_n = {e:.6g} m away, in place of its face, each with -->\n"
+              "<drake:proximity_properties>\n"
+              "  <drake:point_contact_stiffness>{stiffness:.4g}</drake:point_contact_stiffness>\n"
+              "  <drake:mu_static>{mu:.6g}</drake:mu_static>\n"
+              "  <drake:mu_dynamic>{mu:.6g}</drake:mu_dynamic>\n"
+              "</drake:proximity_properties>\n",
+              fmt::arg("origin", contact.origin), fmt::arg("e", contact.face->eccentricity_m),
+              fmt::arg("x", x_m), fmt::arg("y", y_m), fmt::arg("mu", contact.friction_coefficient),
+              fmt::arg("stiffness", contact.normal_stiffness_N_per_m / 4)),
+          {{"sliding_friction", contact.friction_coefficient},
+           {"point_contact_stiffness_N_per_m", contact.normal_stiffness_N_per_m / 4},
+           {"box_half_length_x_m", x_m},
+           {"box_half_length_y_m", y_m}}};
+}
+
 Lines lines(const SoftContact& contact) {
+  if (contact.face) return pressed_lines(contact);
   const Foundation foundation =
       foundation_with_eccentricity(contact.radii, contact.load_N, contact.eccentricity_m);
   // The ellipsoid has the gap's radii of curvature at the end of its z axis: its semi-axis A along
@@ -103,10 +159,13 @@ Simulator drake_simulator() {
   return {"drake",
           "Drake",
           "Coulomb's law at every point of an elastic foundation: e_n grows as P^(1/4), the limit "
-          "surface follows from the foundation's pressure",
+          "surface follows from the foundation's pressure; under a flat face the pressure is "
+          "uniform and "
+          "e_n constant",
           0.25,
           0,
           lines,
+          box_lines,
           {"there is no torsional parameter: the modulus is chosen so that the contact has the "
            "torque; its "
            "size and approach follow from that and can differ from the layer's",

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+
+#include "comparisons/exporting/simulator.h"
 #include "softfinger/input/contact_problem.h"
 
 namespace softfinger::exporting {
@@ -25,5 +28,23 @@ Foundation foundation_with_eccentricity(const RelativeRadii& radii, double load_
 /// The one that has this approach at this load.
 Foundation foundation_with_indentation(const RelativeRadii& radii, double load_N,
                                        double indentation_m);
+
+/// A flat pad as an elastic foundation, whose pressure under a flat face is uniform. A pad presses
+/// harder in its middle: a smaller box has its torque.
+struct PressedBox {
+  std::array<double, 2> half_lengths_m{};
+  double stiffness_Pa_per_m = 0;  ///< that gives the box the pad's dP/dd
+  /// Relative error of the torque on the pad's own face, in place of the box.
+  double own_face_error = 0;
+};
+
+inline PressedBox pressed_box(const SoftContact& contact) {
+  PressedBox box;
+  box.half_lengths_m = contact.face->pressed_box_m();
+  const auto [x_m, y_m] = box.half_lengths_m;
+  box.stiffness_Pa_per_m = contact.normal_stiffness_N_per_m / (4 * x_m * y_m);
+  box.own_face_error = contact.face->uniform_eccentricity_m / contact.face->eccentricity_m - 1;
+  return box;
+}
 
 }  // namespace softfinger::exporting

@@ -33,6 +33,27 @@ Lines lines(const SoftContact& contact) {
            {"patch_radius_m", radius_m}}};
 }
 
+Lines box_lines(const SoftContact& contact) {
+  const auto [x_m, y_m] = contact.face->corner_box_m();
+  return {fmt::format(
+              "<!-- {origin}. A box in place of the pad's face, its corners at e_n = {e:.6g} m "
+              "from the middle: they slip together at mu e_n P, without torsional friction -->\n"
+              "<geometry><box><size>{x:.6g} {y:.6g} {z:.6g}</size></box></geometry>\n"
+              "<surface>\n"
+              "  <friction>\n"
+              "    <ode><mu>{mu:.6g}</mu><mu2>{mu:.6g}</mu2></ode>\n"
+              "    <torsional><coefficient>0</coefficient></torsional>\n"
+              "  </friction>\n"
+              "</surface>\n",
+              fmt::arg("origin", contact.origin), fmt::arg("e", contact.face->eccentricity_m),
+              fmt::arg("mu", contact.friction_coefficient), fmt::arg("x", 2 * x_m),
+              fmt::arg("y", 2 * y_m), fmt::arg("z", contact.face->thickness_m)),
+          {{"sliding_friction", contact.friction_coefficient},
+           {"torsional_coefficient", 0.0},
+           {"box_half_length_x_m", x_m},
+           {"box_half_length_y_m", y_m}}};
+}
+
 }  // namespace
 
 Simulator gazebo_simulator() {
@@ -43,6 +64,7 @@ Simulator gazebo_simulator() {
       0,
       0,
       lines,
+      box_lines,
       {"only Gazebo Classic with ODE reads patch_radius; other engines ignore it, or take the "
        "coefficient as something else",
        "the smaller mu and coefficient of the two surfaces count (default 1): where mu > 1 the "

@@ -31,6 +31,29 @@ Lines lines(const SoftContact& contact) {
       {{"sliding_friction", contact.friction_coefficient}, {"spinning_friction_m", spin_m}}};
 }
 
+Lines box_lines(const SoftContact& contact) {
+  const auto [x_m, y_m] = contact.face->corner_box_m();
+  return {
+      fmt::format(
+          "<!-- {origin}. A box of half lengths {x:.6g} x {y:.6g} m in place of the pad's face: "
+          "its corners lie at e_n = {e:.6g} m from the middle, and slip together at mu e_n P -->\n"
+          "<option cone=\"elliptic\" impratio=\"10\" noslip_iterations=\"5\"/>\n"
+          "<default>\n"
+          "  <default class=\"soft_pad\">\n"
+          "    <geom type=\"box\" size=\"{x:.6g} {y:.6g} {z:.6g}\" condim=\"3\" priority=\"1\" "
+          "{friction}/>\n"
+          "  </default>\n"
+          "</default>\n"
+          "<!-- then, on the pad's geom, its z axis along the normal: class=\"soft_pad\" -->\n",
+          // With condim 3 the second number has no effect.
+          fmt::arg("friction", mujoco_friction(contact.friction_coefficient, 0.005)),
+          fmt::arg("origin", contact.origin), fmt::arg("e", contact.face->eccentricity_m),
+          fmt::arg("x", x_m), fmt::arg("y", y_m), fmt::arg("z", contact.face->thickness_m / 2)),
+      {{"sliding_friction", contact.friction_coefficient},
+       {"box_half_length_x_m", x_m},
+       {"box_half_length_y_m", y_m}}};
+}
+
 }  // namespace
 
 Simulator mujoco_simulator() {
@@ -41,6 +64,7 @@ Simulator mujoco_simulator() {
       0,
       1e-5,  // mjMINMU: smaller coefficients are raised to it
       lines,
+      box_lines,
       {"friction[1] is a length, the largest torque per newton of load (mu e_n, not e_n); below "
        "1e-5 m it is raised to 1e-5 m",
        "without priority the larger friction of the two geoms counts, for each of the three "

@@ -28,6 +28,26 @@ Lines lines(const SoftContact& contact) {
        {"torsional_patch_radius_m", 0.0}}};
 }
 
+/// Two of the corners are a patch's anchors. Each has the whole mu P unless the material shares the
+/// load among them: eIMPROVED_PATCH_FRICTION, which later versions always do.
+Lines box_lines(const SoftContact& contact) {
+  const auto [x_m, y_m] = contact.face->corner_box_m();
+  return {
+      fmt::format(
+          "// {origin}. A box in place of the pad's face, its corners at e_n = {e:.6g} m from the "
+          "middle\n"
+          "physx::PxBoxGeometry pad({x:#.6g}f, {y:#.6g}f, {z:#.6g}f);\n"
+          "physx::PxMaterial* material = physics.createMaterial({mu:#.6g}f, {mu:#.6g}f, 0.0f);\n"
+          "material->setFlag(physx::PxMaterialFlag::eIMPROVED_PATCH_FRICTION, true);\n"
+          "material->setFrictionCombineMode(physx::PxCombineMode::eMIN);\n",
+          fmt::arg("origin", contact.origin), fmt::arg("mu", contact.friction_coefficient),
+          fmt::arg("e", contact.face->eccentricity_m), fmt::arg("x", x_m), fmt::arg("y", y_m),
+          fmt::arg("z", contact.face->thickness_m / 2)),
+      {{"sliding_friction", contact.friction_coefficient},
+       {"box_half_length_x_m", x_m},
+       {"box_half_length_y_m", y_m}}};
+}
+
 }  // namespace
 
 Simulator physx_simulator() {
@@ -39,6 +59,7 @@ Simulator physx_simulator() {
       0,
       0,
       lines,
+      box_lines,
       {"torsional friction exists only with the TGS solver (the default is PGS), and only where "
        "the "
        "patch has a single contact point (sphere, ellipsoid; not box on box)",

@@ -36,6 +36,40 @@ Lines lines(const SoftContact& contact) {
        {"contact_stiffness_N_per_m", contact.normal_stiffness_N_per_m}}};
 }
 
+Lines box_lines(const SoftContact& contact) {
+  const auto [x_m, y_m] = contact.face->corner_box_m();
+  return {
+      fmt::format(
+          "# {origin}. A box in place of the pad's face, its corners at e_n = {e:.6g} m from the "
+          "middle: they slip together at mu e_n P, each with a quarter of the stiffness\n"
+          "def Material \"SoftPad\" (\n"
+          "    prepend apiSchemas = [\"PhysicsMaterialAPI\", \"NewtonMaterialAPI\"]\n"
+          ")\n"
+          "{{\n"
+          "    float physics:staticFriction = {mu:.6g}\n"
+          "    float physics:dynamicFriction = {mu:.6g}\n"
+          "    float newton:torsionalFriction = 0\n"
+          "    float newton:rollingFriction = 0\n"
+          "    float newton:contactStiffness = {stiffness:.4g}\n"
+          "}}\n"
+          "def Cube \"Pad\" (prepend apiSchemas = [\"PhysicsCollisionAPI\"])\n"
+          "{{\n"
+          "    double size = 2\n"
+          "    double3 xformOp:scale = ({x:.6g}, {y:.6g}, {z:.6g})\n"
+          "    uniform token[] xformOpOrder = [\"xformOp:scale\"]\n"
+          "    rel material:binding:physics = </SoftPad>\n"
+          "}}\n",
+          fmt::arg("origin", contact.origin), fmt::arg("mu", contact.friction_coefficient),
+          fmt::arg("e", contact.face->eccentricity_m), fmt::arg("x", x_m), fmt::arg("y", y_m),
+          fmt::arg("z", contact.face->thickness_m / 2),
+          fmt::arg("stiffness", contact.normal_stiffness_N_per_m / 4)),
+      {{"sliding_friction", contact.friction_coefficient},
+       {"torsional_friction_m", 0.0},
+       {"contact_stiffness_N_per_m", contact.normal_stiffness_N_per_m / 4},
+       {"box_half_length_x_m", x_m},
+       {"box_half_length_y_m", y_m}}};
+}
+
 }  // namespace
 
 Simulator usd_simulator() {
@@ -46,6 +80,7 @@ Simulator usd_simulator() {
           0,
           1e-5,  // mjMINMU, through MuJoCo
           lines,
+          box_lines,
           {"UsdPhysics alone has no torsional friction; newton: attributes count in Newton only, "
            "PhysX reads torsional patch radii of its own (--to physx)",
            "lengths are in the stage's unit: with metersPerUnit = 0.01 torsionalFriction is 100 "

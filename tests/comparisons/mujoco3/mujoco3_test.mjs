@@ -64,6 +64,50 @@ function twist(mujoco, xml, load_N, torque_Nm) {
   return {velocity_rad_per_s, friction_Nm: torque_Nm - inertia_kgm2 * acceleration};
 }
 
+const padMass_kg = 0.5, padInertia_kgm2 = 1e-3;
+
+/** A free body whose pad touches the plane, its centre of mass at the contact. */
+function padWorld(lines, geom) {
+  return `<mujoco>
+${lines}<option gravity="0 0 0" timestep="${timeStep_s}" solver="Newton" iterations="200" tolerance="1e-14"/>
+<worldbody>
+  <geom type="plane" size="1 1 0.1"/>
+  <body pos="0 0 0.0015">
+    <freejoint/>
+    <inertial pos="0 0 -0.0015" mass="${padMass_kg}" diaginertia="${Array(3).fill(padInertia_kgm2).join(' ')}"/>
+    ${geom}
+  </body>
+</worldbody>
+</mujoco>`;
+}
+
+/** Presses at a place, then raises the torque within 0.1 s: whether it turns or slides 0.1 s later. */
+function padTwist(mujoco, xml, load_N, torque_Nm, [x_m, y_m]) {
+  const model = mujoco.MjModel.from_xml_string(xml), data = new mujoco.MjData(model);
+  const run = (steps, torque) => {
+    const wrench = [0, 0, -load_N, -y_m * load_N, x_m * load_N, torque];
+    for (let i = 0; i < 6; ++i) data.xfrc_applied[6 + i] = wrench[i];
+    for (let step = 0; step < steps; ++step) mujoco.mj_step(model, data);
+  };
+  run(500, 0);
+  for (let share = 1; share <= 50; ++share) run(2, torque_Nm * share / 50);
+  run(200, torque_Nm);
+  const isSlipping = Math.abs(data.qvel[5]) > 0.1 || Math.hypot(data.qvel[0], data.qvel[1]) > 0.01;
+  data.delete();
+  model.delete();
+  return isSlipping;
+}
+
+/** The torque without a force at which four points (+-a, +-b) slip: the least of sum mu N_i |r_i - c| over c. */
+function staticTorque_Nm(load_N, friction, a, b, [x_m, y_m]) {
+  const points = [[a, b], [-a, b], [a, -b], [-a, -b]].map(([x, y]) => [x, y, load_N / 4 * (1 + x_m / x + y_m / y)]);
+  let least = Infinity;
+  for (let i = -100; i <= 100; ++i)
+    for (let j = -100; j <= 100; ++j)
+      least = Math.min(least, points.reduce((sum, [x, y, N]) => sum + friction * N * Math.hypot(x - a * i / 100, y - b * j / 100), 0));
+  return least;
+}
+
 let failures = 0;
 function expect(isTrue, message) {
   if (!isTrue) console.log(`FAILED: ${message}`);
@@ -106,6 +150,43 @@ const tests = {
     expect(Math.abs(creep(lines, stiff)) < 1e-9, 'with a stiff joint across the normal they hold');
     expect(ask('export', 'silicone_pad_2mm', '--to', 'mujoco').includes('noslip_iterations does nothing'),
       'export --to mujoco states the trap');
+  },
+
+  // A flat pad as one contact point, and as a box whose corners lie at e_n: both hold 0.97 of the stated torque and
+  // slip at 1.03. Beside its middle the box still holds, as statics tell.
+  APadHoldsByABoxOrByOnePoint(mujoco) {
+    const numbers = ['--pad-mm', '22,37.5', '--thickness-mm', '3', '--youngs-modulus-kPa', '800', '--poisson-ratio', '0.49',
+      '--load', '20', '--friction', '0.9'];
+    const made = JSON.parse(ask('export', ...numbers, '--to', 'mujoco', '--json'));
+    const predicted = JSON.parse(ask('predict', ...numbers, '--json')).results[0];
+    const load_N = 20, friction = 0.9, torque_Nm = predicted.max_torque_Nm;
+    const point = '<geom class="soft_finger" type="sphere" size="0.0015" solref="-20000 -300"/>';
+    const box = '<geom class="soft_pad" solref="-20000 -300"/>';
+    const ownFace = '<geom class="soft_pad" size="0.011 0.01875 0.0015" solref="-20000 -300"/>';
+    const slips = (lines, geom, torque, at = [0, 0]) => padTwist(mujoco, padWorld(lines, geom), load_N, torque, at);
+    const limit = (lines, geom, at) => {
+      let low = 0, high = 4;
+      for (let i = 0; i < 12; ++i) {
+        const middle = (low + high) / 2;
+        if (slips(lines, geom, middle * torque_Nm, at)) high = middle; else low = middle;
+      }
+      return low;
+    };
+    for (const [name, lines, geom] of [['one point', made.lines, point], ['the box', made.box_lines, box]]) {
+      console.log(`${name}: slips at ${limit(lines, geom, [0, 0]).toFixed(3)} of the stated torque`);
+      expect(!slips(lines, geom, 0.97 * torque_Nm), `${name} does not hold at 0.97`);
+      expect(slips(lines, geom, 1.03 * torque_Nm), `${name} does not slip at 1.03`);
+    }
+    const {box_half_length_x_m: a, box_half_length_y_m: b} = made.box_values;
+    for (const at of [[2e-3, 0], [0, 3.4e-3], [4e-3, 0]]) {
+      const expected = staticTorque_Nm(load_N, friction, a, b, at) / torque_Nm, measured = limit(made.box_lines, box, at);
+      console.log(`the box, load at ${at.map(x => 1e3 * x)} mm: slips at ${measured.toFixed(3)}, by statics ${expected.toFixed(3)}`);
+      expect(Math.abs(measured / expected - 1) < 0.02, `a load at ${at} slips at ${measured} of the torque`);
+    }
+    const tooStrong = limit(made.box_lines, ownFace, [0, 0]);
+    console.log(`the pad's own face as a box: slips at ${tooStrong.toFixed(3)}`);
+    expect(Math.abs(tooStrong / (Math.hypot(11e-3, 18.75e-3) / predicted.eccentricity_m) - 1) < 0.02,
+      'the corners of the own face carry the load at their distance');
   },
 };
 

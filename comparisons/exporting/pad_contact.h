@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "comparisons/exporting/simulator.h"
+#include "comparisons/input/case.h"
+#include "comparisons/prediction/pad_answer.h"
+
+/// A flat pad's contact for simulators and controllers.
+namespace softfinger::exporting {
+
+struct PadContact {
+  std::unique_ptr<PadShape> shape;
+  prediction::PadAnswer answer;  ///< of pad_layer, at the nominal load
+  SoftContact contact;           ///< has a face
+
+  /// Half lengths along x and y of the rectangle around the middle in which the centre of pressure
+  /// may lie: beyond, the pad tips. It lies within the outline, and is all of it for a rectangle.
+  std::array<double, 2> tipping_half_lengths_m() const;
+  /// The farthest that the load may act from the middle along x, or along y, before the rim lifts
+  /// off.
+  std::array<double, 2> lift_off_half_lengths_m() const;
+};
+
+/// @param contact_case  of a flat pad
+/// @param load_N        > 0
+PadContact ask_pad_contact(const input::Case& contact_case, double load_N,
+                           const prediction::Demand& demand);
+
+/// The first trap of every export of a pad.
+constexpr const char* kPadPoints =
+    "take the box, or Drake's patch: four points at the corners hold torque and tilting by their "
+    "forces (force and torque together 10 to 20 % below the friction ellipsoid, the pad itself up "
+    "to 9 %); the box tips before the pad does. One point, a small sphere in the pad's middle, has "
+    "the torque by the engine's law and does not hold against tilting. Never both: the pad's own "
+    "face as a box carries about twice the torque by its corners' forces alone, three times with "
+    "torsional friction";
+
+}  // namespace softfinger::exporting
