@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "comparisons/exporting/pad_face.h"
 #include "softfinger/accuracy/default_model.h"
+#include "softfinger/pads/pad_model.h"
 
 namespace softfinger::benchmark {
 
@@ -29,6 +31,26 @@ Load Scene::load_at(int body, double time_s) const {
 double eccentricity_m(ContactProblem contact, double load_N) {
   contact.load.normal_force_N = load_N;
   return default_model(contact).predict(contact).torque_arm_exact_m;
+}
+
+double pad_eccentricity_m(const ContactProblem& contact, const Body& pad) {
+  const PadShape shape(
+      ConvexOutline::rounded_rectangle(2 * pad.half_size_m.y(), 2 * pad.half_size_m.z()));
+  PadProblem problem;
+  problem.shape = &shape;
+  problem.layer = contact.layer;
+  problem.load = contact.load;
+  return find_pad_model("pad_layer")->predict(problem).eccentricity_m;
+}
+
+Eigen::Vector3d exported_half_size_m(const Scene& scene, const Body& body) {
+  if (!body.is_fingertip || body.shape == Body::Shape::ball) return body.half_size_m;
+  exporting::PadFace face;
+  face.length_m = 2 * body.half_size_m.y();
+  face.width_m = 2 * body.half_size_m.z();
+  face.eccentricity_m = pad_eccentricity_m(scene.contact, body);
+  const auto [y_m, z_m] = face.corner_box_m();
+  return {body.half_size_m.x(), y_m, z_m};
 }
 
 }  // namespace softfinger::benchmark

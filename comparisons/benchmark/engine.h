@@ -7,7 +7,7 @@
 
 #include "softfinger/input/contact_problem.h"
 
-/// Runs the same five problems in several engines. An engine is one file engines/NAME.cc; see
+/// Runs the same problems in several engines. An engine is one file engines/NAME.cc; see
 /// README.md.
 namespace softfinger::benchmark {
 
@@ -20,7 +20,8 @@ struct Body {
   double mass_kg = 0;                                     ///< homogeneous
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();   ///< at the start, unturned, at rest
   Freedom freedom = Freedom::all;
-  bool is_fingertip = false;  ///< carries the scene's soft layer
+  /// Carries the scene's soft layer. A box presses with a side across x: a flat pad.
+  bool is_fingertip = false;
 
   Eigen::Vector3d inertia_kg_m2() const;  ///< about the centre, principal
 };
@@ -51,6 +52,11 @@ struct Scene {
 
 /// e_n of fingertip_layer.
 double eccentricity_m(ContactProblem contact, double load_N);
+/// e_n of pad_layer, of a box that presses with its side across x.
+double pad_eccentricity_m(const ContactProblem& contact, const Body& pad);
+/// Half size of what stands for a fingertip in an engine that makes points of it, as `softfinger
+/// export` says: of a pad a box whose corners lie at e_n.
+Eigen::Vector3d exported_half_size_m(const Scene& scene, const Body& body);
 
 struct State {
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero(), velocity_m_per_s = Eigen::Vector3d::Zero();

@@ -255,6 +255,47 @@ Score stack(const Engine& engine) {
   return score;
 }
 
+constexpr double kPadGrip_N = 10, kPadFriction = 0.7, kHeldMass_kg = 0.5;
+
+/// Two flat pads of 22 x 37.5 mm with 3 mm of rubber, as of a common gripper, press on a box.
+/// From 0.3 s on its weight acts, beside the line between them.
+Scene gripped_box(double offset_m) {
+  Scene scene;
+  scene.contact.layer = {3e-3, 800e3, 0.49};
+  scene.contact.load = {kPadGrip_N, kPadFriction};
+  scene.bodies = {box("object", {0.02, 0.1, 0.04}, kHeldMass_kg, Vector3d::Zero()),
+                  box("left", {0.01, 0.011, 0.01875}, 0.05, {-0.03, 0, 0}),
+                  box("right", {0.01, 0.011, 0.01875}, 0.05, {0.03, 0, 0})};
+  for (const std::size_t pad : {1u, 2u}) {
+    scene.bodies[pad].freedom = Body::Freedom::along_x;
+    scene.bodies[pad].is_fingertip = true;
+  }
+  const double weight_N = kHeldMass_kg * kGravity_m_per_s2;
+  scene.loads = {{1, 0, {kPadGrip_N, 0, 0}, Vector3d::Zero()},
+                 {2, 0, {-kPadGrip_N, 0, 0}, Vector3d::Zero()},
+                 {0, 0.3, {0, 0, -weight_N}, {-weight_N * offset_m, 0, 0}}};
+  return scene;
+}
+
+Score grip(const Engine& engine) {
+  Score score;
+  const double arm_m = pad_eccentricity_m(gripped_box(0).contact, gripped_box(0).bodies[1]);
+  const double half_N = kHeldMass_kg * kGravity_m_per_s2 / 2, limit_N = kPadFriction * kPadGrip_N;
+  const double truth_m = arm_m * std::sqrt(limit_N * limit_N - half_N * half_N) / half_N;
+  const double offset_m = threshold(0, 4 * truth_m, true, [&](double offset) {
+    Scene scene = gripped_box(offset);
+    scene.duration_s = 0.7;
+    watch_the_end(scene);
+    const Acceleration found = acceleration(run(engine, scene, score), 0);
+    return found.linear_m_per_s2 > kSlip * kGravity_m_per_s2 ||
+           found.angular_rad_per_s2 >
+               kSlip * 2 * half_N * truth_m / scene.bodies[0].inertia_kg_m2().x();
+  });
+  score.measured.push_back({"largest offset of the weight that the pads hold", "mm",
+                            offset_m < 1e-3 * truth_m ? 0 : 1e3 * offset_m, 1e3 * truth_m});
+  return score;
+}
+
 }  // namespace
 
 const Measured* Score::worst() const {
@@ -287,6 +328,10 @@ const std::vector<Problem>& all_problems() {
        "the "
        "nominal load?",
        "mu P e_n(P) of fingertip_layer", true, twist},
+      {"grip",
+       "Two flat rubber pads of 22 x 37.5 mm hold a box of 500 g with 10 N each: how far beside "
+       "them may its weight act before it turns?",
+       "friction ellipsoid with e_n of pad_layer", true, grip},
       {"tilt", "A rigid box lies on a table that is tilted: when does it slide?",
        "Coulomb: the tangent is mu", true, tilt},
       {"held",

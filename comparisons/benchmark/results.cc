@@ -128,13 +128,14 @@ nlohmann::json to_json(const Results& results) {
 
 std::string render_page(const Results& results) {
   Html body =
-      "<header><h1>Soft contacts in several simulators</h1>\n<p class=\"subtitle\">The same five "
+      "<header><h1>Soft contacts in several simulators</h1>\n<p class=\"subtitle\">The same six "
       "problems, each engine's largest error against the truth and its speed</p>\n"
       "<nav><a href=\"#overview\">Overview</a> <a href=\"#problems\">Problem by problem</a> <a "
       "href=\"#provenance\">Provenance</a></nav></header>\n<h2 id=\"overview\">Overview</h2>\n";
   body += overview(results);
   body +=
-      "<p>Largest error, below it the speed of the steps alone, on one core. Pinch, twist and tilt "
+      "<p>Largest error, below it the speed of the steps alone, on one core. Pinch, twist, grip "
+      "and tilt "
       "are thresholds, found by bisection to 1e-4: a contact holds while the acceleration stays "
       "below 2e-4 of what it is without friction. A contact that creeps at constant velocity holds "
       "by that measure; how far it comes is in "

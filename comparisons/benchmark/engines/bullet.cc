@@ -19,6 +19,13 @@ btScalar real(double value) { return static_cast<btScalar>(value); }
 btVector3 vector(const Eigen::Vector3d& v) { return {real(v.x()), real(v.y()), real(v.z())}; }
 Eigen::Vector3d vector(const btVector3& v) { return {v.x(), v.y(), v.z()}; }
 
+/// Torsional friction of a fingertip; the points of a flat pad's corners have none.
+double spinning_friction_m(const Scene& scene, const Body& body) {
+  if (body.shape != Body::Shape::ball) return 0;
+  const ContactProblem& contact = scene.contact;
+  return contact.load.friction_coefficient * eccentricity_m(contact, contact.load.normal_force_N);
+}
+
 std::unique_ptr<btRigidBody> made_body(const Scene& scene, const Body& body,
                                        btCollisionShape& shape) {
   const bool is_fixed = body.freedom == Body::Freedom::none;
@@ -31,10 +38,9 @@ std::unique_ptr<btRigidBody> made_body(const Scene& scene, const Body& body,
     made->setLinearFactor(btVector3(1, 0, 0));
     made->setAngularFactor(btVector3(0, 0, 0));
   }
-  const ContactProblem& contact = scene.contact;
-  const double mu = contact.load.friction_coefficient;
+  const double mu = scene.contact.load.friction_coefficient;
   if (body.is_fingertip) {
-    const double spin_m = mu * eccentricity_m(contact, contact.load.normal_force_N);
+    const double spin_m = spinning_friction_m(scene, body);
     made->setFriction(real(mu));
     made->setSpinningFriction(real(spin_m));
     made->setRollingFriction(real(1e-3 * spin_m));
@@ -59,7 +65,7 @@ Motion run(const Scene& scene) {
     if (body.shape == Body::Shape::ball)
       shapes.push_back(std::make_unique<btSphereShape>(real(body.half_size_m.x())));
     else
-      shapes.push_back(std::make_unique<btBoxShape>(vector(body.half_size_m)));
+      shapes.push_back(std::make_unique<btBoxShape>(vector(exported_half_size_m(scene, body))));
     bodies.push_back(made_body(scene, body, *shapes.back()));
     world.addRigidBody(bodies.back().get());
   }
@@ -98,11 +104,13 @@ Motion run(const Scene& scene) {
 }  // namespace
 
 std::vector<Engine> bullet_engines() {
-  return {{"bullet_exported",
-           fmt::format("Bullet {}.{}, lines of softfinger export", btGetVersion() / 100,
-                       btGetVersion() % 100),
-           "mu and mu e_n at the nominal load; rigid bodies, 10 iterations, single precision",
-           run}};
+  return {
+      {"bullet_exported",
+       fmt::format("Bullet {}.{}, lines of softfinger export", btGetVersion() / 100,
+                   btGetVersion() % 100),
+       "mu and mu e_n at the nominal load; flat pads as boxes with corners at e_n; rigid bodies, "
+       "10 iterations, single precision",
+       run}};
 }
 
 }  // namespace softfinger::benchmark

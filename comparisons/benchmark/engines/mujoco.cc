@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -26,14 +27,16 @@ std::string numbers(const Eigen::Vector3d& v) {
   return fmt::format("{:.17g} {:.17g} {:.17g}", v.x(), v.y(), v.z());
 }
 
-std::string friction(const Scene& scene, Kind kind) {
+std::string friction(const Scene& scene, const Body& body, Kind kind) {
   const double mu = scene.contact.load.friction_coefficient;
+  const bool is_pad = body.shape == Body::Shape::box;
   switch (kind) {
     case Kind::standard:
       return fmt::format("friction=\"{:.17g}\"", mu);
     case Kind::recommended:
       return fmt::format("condim=\"4\" friction=\"{:.17g}\"", mu);
     default:
+      if (is_pad) return fmt::format("condim=\"3\" priority=\"1\" friction=\"{:.17g}\"", mu);
       return fmt::format("condim=\"4\" priority=\"1\" friction=\"{:.17g} {:.17g} 0.0001\"", mu,
                          mu * eccentricity_m(scene.contact, scene.contact.load.normal_force_N));
   }
@@ -47,7 +50,7 @@ std::string model_text(const Scene& scene, Kind kind) {
                                  is_exported ? " noslip_iterations=\"5\"" : "");
   std::string listed;
   for (const Body& body : scene.bodies)
-    if (body.is_fingertip && kind == Kind::plugin) {
+    if (body.is_fingertip && body.shape == Body::Shape::ball && kind == Kind::plugin) {
       const ContactProblem& contact = scene.contact;
       listed += fmt::format(
           "<numeric name=\"softfinger:{}\" data=\"{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} "
@@ -62,8 +65,9 @@ std::string model_text(const Scene& scene, Kind kind) {
   for (const Body& body : scene.bodies) {
     const std::string geom = fmt::format(
         "<geom name=\"{}\" type=\"{}\" size=\"{}\" mass=\"{:.17g}\" {}/>", body.name,
-        body.shape == Body::Shape::ball ? "sphere" : "box", numbers(body.half_size_m), body.mass_kg,
-        body.is_fingertip ? friction(scene, kind)
+        body.shape == Body::Shape::ball ? "sphere" : "box",
+        numbers(is_exported ? exported_half_size_m(scene, body) : body.half_size_m), body.mass_kg,
+        body.is_fingertip ? friction(scene, body, kind)
                           : fmt::format("friction=\"{:.17g}\"", scene.rigid_friction_coefficient));
     const char* const joint = body.freedom == Body::Freedom::all ? "<freejoint/>"
                               : body.freedom == Body::Freedom::along_x
@@ -97,7 +101,10 @@ Motion run(const Scene& scene, Kind kind) {
   char error[1000] = "";
   std::unique_ptr<softfinger_mujoco, decltype(&softfinger_mujoco_free)> plugin(
       nullptr, softfinger_mujoco_free);
-  if (kind == Kind::plugin && scene.has_fingertips()) {
+  const bool is_listed = std::any_of(
+      scene.bodies.begin(), scene.bodies.end(),
+      [](const Body& body) { return body.is_fingertip && body.shape == Body::Shape::ball; });
+  if (kind == Kind::plugin && is_listed) {
     plugin.reset(softfinger_mujoco_create(model.get(), error, sizeof error));
     if (!plugin) {
       motion.failure = error;
@@ -151,7 +158,8 @@ std::vector<Engine> mujoco_engines() {
        "mu; elliptic cone, impratio 10, condim 4 with the default torsional friction of 5 mm",
        [](const Scene& scene) { return run(scene, Kind::recommended); }},
       {"mujoco_exported", version + ", lines of softfinger export",
-       "mu and mu e_n at the nominal load; elliptic cone, impratio 10, noslip_iterations 5",
+       "mu and mu e_n at the nominal load; flat pads as boxes with corners at e_n; elliptic cone, "
+       "impratio 10, noslip_iterations 5",
        [](const Scene& scene) { return run(scene, Kind::exported); }}};
 #ifdef SOFTFINGER_MUJOCO_PLUGIN
   engines.push_back({"mujoco_plugin", version + ", libsoftfinger_mujoco",

@@ -36,7 +36,7 @@ std::string force_text(const Scene& scene, int body) {
                      scene.bodies[std::size_t(body)].name, times, forces, torques);
 }
 
-std::string scene_text(const Scene& scene) {
+std::string scene_text(const Scene& scene, bool is_soft) {
   const ContactProblem& contact = scene.contact;
   std::string text = fmt::format(
       "id = \"benchmark\"\n[simulation]\ntime_step_ms = {:.17g}\nduration_s = {:.17g}\n"
@@ -61,11 +61,12 @@ std::string scene_text(const Scene& scene) {
                 ? std::string("fixed = true\n")
                 : fmt::format("mass_g = {:.17g}\n", 1e3 * body.mass_kg);
     if (body.is_fingertip) {
-      text += "layer = \"layer\"\n";
+      if (is_soft) text += "layer = \"layer\"\n";
       rest += fmt::format(
           "[[contact]]\nbodies = [\"{}\", \"*\"]\nfriction_coefficient = {:.17g}\n"
-          "model = \"fingertip_layer\"\n",
-          body.name, contact.load.friction_coefficient);
+          "model = \"{}\"\n",
+          body.name, contact.load.friction_coefficient,
+          is_soft && body.shape == Body::Shape::ball ? "fingertip_layer" : "auto");
     }
     if (body.freedom == Body::Freedom::along_x)
       rest += fmt::format(
@@ -80,10 +81,10 @@ std::string scene_text(const Scene& scene) {
   return text + rest;
 }
 
-Motion run(const Scene& scene) {
+Motion run(const Scene& scene, bool is_soft) {
   Motion motion;
   const simulation::Simulation done =
-      simulation::simulate(input::parse_scene(scene_text(scene), "benchmark.toml"));
+      simulation::simulate(input::parse_scene(scene_text(scene, is_soft), "benchmark.toml"));
   // A frame at the start, and one after each step.
   const auto& frames = done.recording.frames;
   for (const double time_s : scene.sample_times_s) {
@@ -106,7 +107,12 @@ Motion run(const Scene& scene) {
 
 std::vector<Engine> softfinger_engines() {
   return {{"softfinger", "softfinger simulate",
-           "layer and shapes; e_n(P) by fingertip_layer, in the same step as P", run}};
+           "layer and shapes; e_n(P) by fingertip_layer, in the same step as P; flat pads by "
+           "pad_layer",
+           [](const Scene& scene) { return run(scene, true); }},
+          {"softfinger_rigid", "softfinger simulate, rigid",
+           "as if nothing were soft: points without torque, four at the corners of a face",
+           [](const Scene& scene) { return run(scene, false); }}};
 }
 
 }  // namespace softfinger::benchmark
