@@ -45,24 +45,43 @@ std::optional<StuckStiffness> stuck_stiffness_at(const PressureModel& model,
                         in_series(finger.tangential_y_N_per_m, object.tangential_y_N_per_m)};
 }
 
-void PreslidingContacts::add(long id, const PressureModel& model, const ContactProblem& problem) {
-  now_.insert_or_assign(id, Described{&model, problem});
+std::optional<StuckStiffness> PreslidingContacts::Described::stuck_at(double load_N) const {
+  if (model) return stuck_stiffness_at(*model, problem, load_N);
+  return face;
 }
 
-const PreslidingElements& PreslidingContacts::elements_of(const PressureModel& model,
-                                                          const ContactProblem& problem) {
-  const double load_N = problem.load.normal_force_N, more_N = 1.01 * load_N;
-  ContactProblem nominal = problem;
-  const Prediction prediction = model.predict(nominal);
-  const auto stuck = stuck_stiffness_at(model, problem, load_N),
-             grown = stuck_stiffness_at(model, problem, more_N);
-  double growth = 1. / 3, exponent = 0.5, aspect = 1, size = 0;
-  if (stuck && grown) {
-    growth = std::log(grown->tangential_x_N_per_m / stuck->tangential_x_N_per_m) /
-             std::log(more_N / load_N);
-    exponent = equivalent_exponent(prediction);
-    aspect = prediction.b_m / prediction.a_m;
-    size = prediction.a_m / softer_layer(prediction, problem).thickness_m;
+void PreslidingContacts::add(long id, const PressureModel& model, const ContactProblem& problem) {
+  Described described;
+  described.model = &model;
+  described.problem = problem;
+  now_.insert_or_assign(id, described);
+}
+
+void PreslidingContacts::add_face(long id, const StuckStiffness& stuck, double aspect,
+                                  double size) {
+  Described described;
+  described.face = stuck;
+  described.face_aspect = aspect;
+  described.face_size = size;
+  now_.insert_or_assign(id, described);
+}
+
+const PreslidingElements& PreslidingContacts::elements_of(const Described& contact) {
+  // All of a face's size stays in contact: a shift sticks as a whole, until all of it slides. The
+  // curve of a twist is that of the flattest pressure it is known for.
+  double growth = 0, exponent = 0.5, aspect = contact.face_aspect, size = contact.face_size;
+  if (contact.model) {
+    const double load_N = contact.problem.load.normal_force_N, more_N = 1.01 * load_N;
+    const Prediction prediction = contact.model->predict(contact.problem);
+    const auto stuck = contact.stuck_at(load_N), grown = contact.stuck_at(more_N);
+    growth = 1. / 3;
+    if (stuck && grown) {
+      growth = std::log(grown->tangential_x_N_per_m / stuck->tangential_x_N_per_m) /
+               std::log(more_N / load_N);
+      exponent = equivalent_exponent(prediction);
+      aspect = prediction.b_m / prediction.a_m;
+      size = prediction.a_m / softer_layer(prediction, contact.problem).thickness_m;
+    }
   }
   // To a hundredth: the curves change by less than they are known.
   const auto rounded = [](double value) { return int(std::lround(100 * value)); };
@@ -81,13 +100,13 @@ void PreslidingContacts::prepare(const Multibody& bodies, std::vector<Contact>& 
   for (Contact& contact : contacts) {
     const auto described = now_.find(contact.id);
     if (described == now_.end()) continue;
-    const auto& [model, problem] = described->second;
+    const Described& own = described->second;
     auto found = held_.find(contact.id);
     const bool is_new = found == held_.end();
-    const double load_N = is_new ? problem.load.normal_force_N : found->second.load_N;
-    const auto stuck = stuck_stiffness_at(*model, problem, load_N);
+    const double load_N = is_new ? own.problem.load.normal_force_N : found->second.load_N;
+    const auto stuck = own.stuck_at(load_N);
     if (!stuck) continue;
-    if (is_new) found = held_.emplace(contact.id, Held{elements_of(*model, problem), load_N}).first;
+    if (is_new) found = held_.emplace(contact.id, Held{elements_of(own), load_N}).first;
     Held& held = found->second;
     const Eigen::Matrix3d turn_of_a = bodies.pose(contact.a).linear();
     if (is_new) {
@@ -111,8 +130,7 @@ void PreslidingContacts::settle(const TimeStepper& stepper) {
     const auto described = now_.find(contact.id);
     if (held == held_.end() || described == now_.end()) continue;
     const double load_N = wrench.normal_force_N;
-    const auto stuck =
-        stuck_stiffness_at(*described->second.model, described->second.problem, load_N);
+    const auto stuck = described->second.stuck_at(load_N);
     if (!(load_N > 0) || !stuck) {
       held_.erase(held);  // what does not press holds nothing
       continue;

@@ -23,6 +23,10 @@ class PreslidingContacts {
   void clear() { now_.clear(); }
   /// A contact of the coming step. The problem's load is taken where the contact is a new one.
   void add(long id, const PressureModel& model, const ContactProblem& problem);
+  /// Likewise the friction of a flat face, whose stiffness does not depend on the load.
+  /// @param aspect  of its lengths, at most 1
+  /// @param size    half of its length over the layer's thickness
+  void add_face(long id, const StuckStiffness& stuck, double aspect, double size);
   /// Sets compliance and elastic wrench of those that were added, and drops what the others held.
   void prepare(const Multibody& bodies, std::vector<Contact>& contacts);
   /// After a step that is done.
@@ -37,12 +41,16 @@ class PreslidingContacts {
     Eigen::Vector3d axis_on_a = Eigen::Vector3d::Zero();
   };
   struct Described {
-    const PressureModel* model;
+    const PressureModel* model = nullptr;  ///< null: a face
     ContactProblem problem;
+    StuckStiffness face{};
+    double face_aspect = 1, face_size = 0;
+
+    std::optional<StuckStiffness> stuck_at(double load_N) const;
   };
 
   /// Made once for contacts that are alike; the curves take a millisecond.
-  const PreslidingElements& elements_of(const PressureModel& model, const ContactProblem& problem);
+  const PreslidingElements& elements_of(const Described& contact);
 
   std::unordered_map<long, Described> now_;  ///< by the contact's id, like the next one
   std::unordered_map<long, Held> held_;

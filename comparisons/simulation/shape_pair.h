@@ -33,9 +33,10 @@ constexpr long kNearest = 1;       ///< the nearest point
 constexpr long kBearing = 2;       ///< + number of the bearing point of shape a, then of shape b
 constexpr long kMostBearing = 16;  ///< of one shape: more than `bearing_points` gives
 constexpr long kMostEdges = 12;    ///< of one shape: a box has as many
-constexpr long kCrossing = kBearing + 2 * kMostBearing;  ///< + 12 edge of a + edge of b
+constexpr long kCrossing = kBearing + 2 * kMostBearing;          ///< + 12 edge of a + edge of b
+constexpr long kFriction = kCrossing + kMostEdges * kMostEdges;  ///< that of two flat faces
 }  // namespace slot
-constexpr long kSlots = slot::kCrossing + slot::kMostEdges * slot::kMostEdges;
+constexpr long kSlots = slot::kFriction + 1;
 /// The number of the pair of shapes that a contact belongs to.
 constexpr long pair_of(long contact_id) { return contact_id / kSlots; }
 

@@ -101,7 +101,15 @@ class SceneContacts final : public ContactFinder {
     shapes_.clear();
     detector_.find(bodies, time_step_s, points_);
     for (const TouchingPoint& point : points_) contacts.push_back(contact_at(point));
+    const std::size_t first = contacts.size();
     faces_.describe(points_, bodies, contacts);
+    for (std::size_t i = first; i < contacts.size(); ++i) {
+      const Contact& friction = contacts[i];
+      origins_[friction.id].friction = &input::kEllipsoidLaw;
+      if (!scene_.rule(friction.a, friction.b).presliding) continue;
+      const SoftFaces::Face& face = *faces_.face(friction);
+      presliding_.add_face(friction.id, face.stuck, face.aspect, face.size);
+    }
     presliding_.prepare(bodies, contacts);
   }
   /// After a step that is done.
@@ -204,16 +212,15 @@ double utilisation(const RecordedContact& contact, const FrictionShape* shape) {
   return std::isfinite(used) ? used : 0;
 }
 
-/// @param wrench  of the contact, or of all points of its face
-RecordedContact recorded(const TimeStepper& stepper, int index, const ContactWrench& wrench,
-                         const SceneContacts& finder, const input::Scene& scene,
-                         double least_slip_m_per_s) {
+RecordedContact recorded(const TimeStepper& stepper, int index, const SceneContacts& finder,
+                         const input::Scene& scene, double least_slip_m_per_s) {
   const Contact& contact = stepper.contacts()[std::size_t(index)];
   const SceneContacts::Origin& origin = finder.origin(contact);
+  const ContactWrench wrench = stepper.wrench(index);
   RecordedContact result;
   result.a = contact.a;
   result.b = contact.b;
-  result.point_m = contact.friction_point_m();
+  result.point_m = contact.point_m;
   result.axes = contact.axes;
   result.normal_force_N = wrench.normal_force_N;
   result.tangent_force_1_N = wrench.tangent_force_1_N;
@@ -335,22 +342,12 @@ Frame frame_after(const StepResult& step, const TimeStepper& stepper, const Scen
                   const input::Scene& scene) {
   Frame result = bodies_now(stepper);
   const double least_slip = least_slip_m_per_s(stepper, step);
-  std::set<const SoftFaces::Face*> seen;
   for (int i = 0; i < int(stepper.contacts().size()); ++i) {
-    ContactWrench wrench = stepper.wrench(i);
-    if (const auto* face = finder.face(stepper.contacts()[std::size_t(i)])) {
-      if (!seen.insert(face).second) continue;
-      for (int other = i + 1; other < int(stepper.contacts().size()); ++other) {
-        if (finder.face(stepper.contacts()[std::size_t(other)]) != face) continue;
-        const ContactWrench more = stepper.wrench(other);
-        wrench.normal_force_N += more.normal_force_N;
-        wrench.tangent_force_1_N += more.tangent_force_1_N;
-        wrench.tangent_force_2_N += more.tangent_force_2_N;
-        wrench.torque_Nm += more.torque_Nm;
-      }
-    }
+    // The points of a soft face are seen in the contact of its friction.
+    if (stepper.contacts()[std::size_t(i)].role == Contact::FaceRole::soft_point) continue;
+    const ContactWrench wrench = stepper.wrench(i);
     if (wrench.normal_force_N > 0)
-      result.contacts.push_back(recorded(stepper, i, wrench, finder, scene, least_slip));
+      result.contacts.push_back(recorded(stepper, i, finder, scene, least_slip));
   }
   return result;
 }

@@ -90,9 +90,11 @@ std::optional<ConvexOutline> outline_of(const std::vector<Eigen::Vector2d>& poin
 }
 
 /// Tangents that turn with a body, so that coordinates in the plane last from step to step.
-Eigen::Matrix3d axes_on(const Eigen::Matrix3d& body, const Eigen::Vector3d& normal) {
-  int across = 0;
-  (body.transpose() * normal).cwiseAbs().minCoeff(&across);
+/// @param across  the body's axis that the first tangent follows, kept while it lies in the plane
+Eigen::Matrix3d axes_on(const Eigen::Matrix3d& body, const Eigen::Vector3d& normal, int& across) {
+  constexpr double kUpright = 0.8;
+  const Eigen::Vector3d along_normal = (body.transpose() * normal).cwiseAbs();
+  if (across < 0 || along_normal[across] > kUpright) along_normal.minCoeff(&across);
   Eigen::Matrix3d axes;
   axes.col(2) = normal;
   axes.col(0) = (body.col(across) - normal * normal.dot(body.col(across))).normalized();
@@ -109,7 +111,9 @@ bool SoftFaces::describe(const std::vector<std::size_t>& group,
   const auto& layer_a = scene_.bodies[std::size_t(first.a)].layer;
   const auto& layer_b = scene_.bodies[std::size_t(first.b)].layer;
   const Eigen::Isometry3d& finger = bodies.pose(layer_a ? first.a : first.b);
-  face.axes = axes_on(finger.linear(), first.axes.col(2));
+  const int across_before = face.across;
+  face.axes = axes_on(finger.linear(), first.axes.col(2), face.across);
+  if (face.across != across_before) face.last_centre_m.reset();
   face.origin_m = finger.translation();
   face.height_m = 0;
   std::vector<Eigen::Vector2d> places;
@@ -128,10 +132,18 @@ bool SoftFaces::describe(const std::vector<std::size_t>& group,
     problem.shape = &shape;
     problem.layer = layer_a ? *layer_a : *layer_b;
     problem.load = {scene_.nominal_load_N, 1};
+    const PadModel& model = *find_pad_model("pad_layer");
+    const PadPrediction prediction = model.predict(problem);
+    face.stuck = {prediction.torsional_stiffness_Nm_per_rad,
+                  prediction.tangential_stiffness_N_per_m[0],
+                  prediction.tangential_stiffness_N_per_m[1]};
+    const Eigen::Vector2d extent_m = outline->extent_m();
+    face.aspect = extent_m.minCoeff() / extent_m.maxCoeff();
+    face.size = extent_m.maxCoeff() / 2 / problem.layer.thickness_m;
     face.answered_at_m.reset();
     face.outline = std::make_shared<const Face::Outline>(
         Face::Outline{outline->area_m2(), outline->centroid_m(), outline->second_moments_m4(),
-                      EccentricLoad(find_pad_model("pad_layer")->slipping_pressure(problem))});
+                      EccentricLoad(model.slipping_pressure(problem))});
   }
   const EccentricLoad& load = face.outline->load;
   const Eigen::Vector2d centre_m = face.last_centre_m.value_or(load.middle_m());
@@ -165,12 +177,19 @@ void SoftFaces::describe(const std::vector<TouchingPoint>& points, const Multibo
     Face& face = faces_[pair];
     face.is_here = describe(group, points, bodies, face);
     if (!face.is_here) continue;
+    Contact friction = contacts[group.front()];
+    friction.role = Contact::FaceRole::friction;
+    friction.id = pair * kSlots + slot::kFriction;
+    friction.axes = face.axes;
+    friction.point_m = face.centre_m;
+    friction.gap_m = 0;
+    friction.eccentricity_m = face.eccentricity_m;
     for (const std::size_t p : group) {
-      Contact& contact = contacts[p];
-      contact.axes = face.axes;
-      contact.centre_of_pressure_m = face.centre_m;
-      contact.eccentricity_m = face.eccentricity_m;
+      contacts[p].role = Contact::FaceRole::soft_point;
+      contacts[p].axes = face.axes;
+      contacts[p].friction_coefficient = 0;
     }
+    contacts.push_back(friction);
   }
   for (auto entry = faces_.begin(); entry != faces_.end();)
     entry = entry->second.is_here ? std::next(entry) : faces_.erase(entry);
@@ -181,19 +200,36 @@ void SoftFaces::settle(const TimeStepper& stepper) {
   for (int i = 0; i < int(stepper.contacts().size()); ++i) {
     const Contact& contact = stepper.contacts()[std::size_t(i)];
     const Face* const face = this->face(contact);
-    if (!face) continue;
+    if (!face || contact.role == Contact::FaceRole::friction) continue;
     const double force_N = stepper.wrench(i).normal_force_N;
     const Eigen::Vector3d place = face->axes.transpose() * (contact.point_m - face->origin_m);
-    auto& sum = sums.try_emplace(pair_of(contact.id), Eigen::Vector3d::Zero()).first->second;
+    auto& sum = sums.try_emplace(contact.face, Eigen::Vector3d::Zero()).first->second;
     sum += force_N * Eigen::Vector3d(1, place.x(), place.y());
   }
   for (const auto& [pair, sum] : sums)
-    if (sum[0] > 0) faces_.at(pair).last_centre_m = sum.tail<2>() / sum[0];
+    if (sum[0] > 0) faces_.at(pair).move_centre(sum.tail<2>() / sum[0]);
+}
+
+/// Friction at the centre of an earlier pressure moves the centre of the next one, by mu times the
+/// bodies' size over e_n, and may drive it to and fro. So the centre follows by part of the way,
+/// by how it answered to the last part (Aitken; Küttler, Wall, Comput. Mech. 43 (2008), eq. 44).
+void SoftFaces::Face::move_centre(const Eigen::Vector2d& pressed_m) {
+  constexpr double kLeast = 0.02;
+  if (!last_centre_m) {
+    last_centre_m = pressed_m;
+    return;
+  }
+  const Eigen::Vector2d left_m = pressed_m - *last_centre_m, change_m = left_m - last_way_m;
+  if (last_way_m.squaredNorm() > 0 && change_m.squaredNorm() > 0)
+    part_of_way =
+        std::clamp(-part_of_way * last_way_m.dot(change_m) / change_m.squaredNorm(), kLeast, 1.);
+  last_way_m = left_m;
+  *last_centre_m += part_of_way * left_m;
 }
 
 const SoftFaces::Face* SoftFaces::face(const Contact& contact) const {
-  if (!contact.centre_of_pressure_m) return nullptr;
-  const auto found = faces_.find(pair_of(contact.id));
+  if (contact.role == Contact::FaceRole::rigid_point) return nullptr;
+  const auto found = faces_.find(contact.face);
   return found == faces_.end() ? nullptr : &found->second;
 }
 

@@ -9,16 +9,18 @@
 #include "comparisons/input/scene.h"
 #include "comparisons/simulation/touching_point.h"
 #include "softfinger/dynamics/step/time_stepper.h"
+#include "softfinger/layer/stuck_stiffness.h"
 #include "softfinger/pads/eccentric_load.h"
 
 namespace softfinger::simulation {
 
-/// Flat faces of which one is soft: one contact per pair of faces. The points that hold them apart
-/// stay, so that the pressure's centre can lie anywhere in their polygon. Friction acts at that
-/// centre, by one limit for the whole normal force, with the e_n of a pad of that outline.
+/// Flat faces of which one is soft. The points that hold them apart stay, without friction, so that
+/// the pressure's centre can lie anywhere in their polygon. Friction is one contact for each pair
+/// of faces, at that centre and under the whole normal force, with the e_n of a pad of that
+/// outline.
 ///
-/// The centre is that of the last step, and e_n belongs to it. In a step friction is therefore that
-/// of a slightly older pressure; what it takes from the motion is never negative.
+/// The centre is that of the last steps, and e_n belongs to it. In a step friction is therefore
+/// that of a slightly older pressure; what it takes from the motion is never negative.
 class SoftFaces {
  public:
   explicit SoftFaces(const input::Scene& scene) : scene_(scene) {}
@@ -28,19 +30,26 @@ class SoftFaces {
     double eccentricity_m = 0;
     Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();  ///< of pressure, in the world
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< as Contact::axes
+    StuckStiffness stuck{};                              ///< along and about the axes
+    double aspect = 1, size = 0;                         ///< see PreslidingContacts::add_face
 
    private:
     friend class SoftFaces;
     struct Outline;
+    void move_centre(const Eigen::Vector2d& pressed_m);
+
+    int across = -1;  ///< the finger's axis that the first one of `axes` follows; -1: none yet
     Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
     double height_m = 0;
     /// In the plane, from the origin: the centre after the last step, and that of e_n.
     std::optional<Eigen::Vector2d> last_centre_m, answered_at_m;
+    Eigen::Vector2d last_way_m = Eigen::Vector2d::Zero();  ///< to the pressure's centre, last time
+    double part_of_way = 1;                                ///< of it that was gone
     std::shared_ptr<const Outline> outline;
     bool is_here = false;
   };
 
-  /// Finds the faces among the points, and gives their contacts the friction of the face.
+  /// Finds the faces among the points, and adds the contacts of their friction.
   /// @param points  of which `contacts` are, in the same order
   void describe(const std::vector<TouchingPoint>& points, const Multibody& bodies,
                 std::vector<Contact>& contacts);

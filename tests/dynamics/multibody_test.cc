@@ -520,7 +520,7 @@ TEST(Multibody, ContactJacobianAndForcesAreDual) {
     const Vector3d point = random.vector(0.5), force = random.vector(2), torque = random.vector(1);
     const Matrix3d axes = random.pose().linear();
     MatrixXd rows = MatrixXd::Zero(4, n);
-    bodies.add_contact_jacobian(body, point, point, axes, 1, rows);
+    bodies.add_contact_jacobian(body, point, axes, 1, rows);
     const Eigen::Vector4d velocity = rows * bodies.velocity();
     const Vector3d at_point = axes.transpose() * bodies.velocity_at(body, point);
     EXPECT_LE((velocity - Eigen::Vector4d(at_point[2], at_point[0], at_point[1],

@@ -49,14 +49,16 @@ double turned_by_rad(const Simulation& run) {
   return Eigen::AngleAxisd(run.recording.frames.back().poses[0].linear()).angle();
 }
 
-double pad_arm_m() {
+PadPrediction asked_pad() {
   const PadShape shape(ConvexOutline::rounded_rectangle(kPad_m[0], kPad_m[1]));
   PadProblem problem;
   problem.shape = &shape;
   problem.layer = {kThickness_m, 8e5, kPoissonRatio};
   problem.load = {kPadGrip_N, kPadFriction};
-  return find_pad_model("pad_layer")->predict(problem).eccentricity_m;
+  return find_pad_model("pad_layer")->predict(problem);
 }
+
+double pad_arm_m() { return asked_pad().eccentricity_m; }
 
 /// Offset at which both contacts of arm e_n leave the friction ellipsoid.
 double largest_offset_m(double arm_m) {
@@ -74,6 +76,20 @@ TEST(SoftFaces, HoldABoxUpToTheOffsetOfTheClosedForm) {
   // accelerated by a hundredth of the weight's torque.
   EXPECT_LT(turned_by_rad(holds), 1e-7);
   EXPECT_GT(turned_by_rad(turns), 1e-3);
+}
+
+TEST(SoftFaces, ShareTheWeightWhileTheyTurn) {
+  // Friction moves the pressure's centre, and the centre friction: the one must not drive the other
+  // to and fro, so that one pad bears the weight and then the other one.
+  const Simulation turns = simulated_gripper(gripper(1.1 * largest_offset_m(pad_arm_m()), 0.3));
+  ASSERT_TRUE(turns.failure.empty()) << turns.failure;
+  const auto& contacts = turns.recording.frames.back().contacts;
+  ASSERT_EQ(contacts.size(), 2u);
+  for (const RecordedContact& contact : contacts) EXPECT_TRUE(contact.slides);
+  const auto force_N = [](const RecordedContact& contact) {
+    return std::hypot(contact.tangent_force_1_N, contact.tangent_force_2_N);
+  };
+  EXPECT_NEAR(force_N(contacts[0]), force_N(contacts[1]), 1e-3 * force_N(contacts[0]));
 }
 
 /// Offset at which both faces turn whose corners bear equal loads: the weight's power in the turn
@@ -120,6 +136,25 @@ TEST(SoftFaces, AreOneContactForEachPairOfFaces) {
                 kMass_kg * kGravity / 2, 1e-4);
   }
   EXPECT_TRUE(held.recording.unknown.empty()) << "nothing is taken as rigid points";
+}
+
+TEST(SoftFaces, WithPreslidingTurnByTheirTorqueOverTheStiffness) {
+  constexpr double kOffset_m = 2e-3;
+  const Simulation held = simulated_gripper(gripper(kOffset_m, 0.6) + "presliding = true\n");
+  ASSERT_TRUE(held.failure.empty()) << held.failure;
+  // The box swings about where it hangs.
+  double sum_rad = 0;
+  int count = 0;
+  for (const Frame& frame : held.recording.frames) {
+    if (frame.time_s < 0.3) continue;
+    sum_rad += Eigen::AngleAxisd(frame.poses[0].linear()).angle();
+    ++count;
+  }
+  const double expected_rad =
+      kMass_kg * kGravity / 2 * kOffset_m / asked_pad().torsional_stiffness_Nm_per_rad;
+  // At a third of the limit, and twice that as it first swings, part of the pad has slipped.
+  EXPECT_GT(sum_rad / count, expected_rad);
+  EXPECT_LT(sum_rad / count, 1.2 * expected_rad);
 }
 
 TEST(SoftFaces, OfACylinderAreDiscs) {

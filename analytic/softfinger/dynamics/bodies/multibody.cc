@@ -641,7 +641,6 @@ void Multibody::passive_forces(const Tree& tree, const Eigen::Vector3d& gravity_
 }
 
 void Multibody::add_contact_jacobian(int body, const Eigen::Vector3d& point_m,
-                                     const Eigen::Vector3d& friction_point_m,
                                      const Eigen::Matrix3d& axes, double sign,
                                      Eigen::Ref<Eigen::MatrixXd> rows) const {
   for (int d = last_dof_[std::size_t(body)]; d >= 0; d = dofs_[std::size_t(d)].parent) {
@@ -649,10 +648,8 @@ void Multibody::add_contact_jacobian(int body, const Eigen::Vector3d& point_m,
     const int column = d - trees_[std::size_t(tree_of_dof_[std::size_t(d)])].first;
     const SpatialVector at_point = motion(dof, point_m);
     rows(0, column) += sign * axes.col(2).dot(at_point.linear);
-    const Eigen::Vector3d sliding =
-        at_point.linear + at_point.angular.cross(friction_point_m - point_m);
-    rows(1, column) += sign * axes.col(0).dot(sliding);
-    rows(2, column) += sign * axes.col(1).dot(sliding);
+    rows(1, column) += sign * axes.col(0).dot(at_point.linear);
+    rows(2, column) += sign * axes.col(1).dot(at_point.linear);
     rows(3, column) += sign * axes.col(2).dot(at_point.angular);
   }
 }

@@ -134,9 +134,8 @@ class Multibody {
 
   /// Adds `sign` times the Jacobian of the velocity at a point along three axes, and of the angular
   /// velocity about the third, to four rows: (axis 3, axis 1, axis 2, about axis 3), columns of the
-  /// body's tree. The velocities along axes 1 and 2 are those at `friction_point_m`.
-  void add_contact_jacobian(int body, const Eigen::Vector3d& point_m,
-                            const Eigen::Vector3d& friction_point_m, const Eigen::Matrix3d& axes,
+  /// body's tree.
+  void add_contact_jacobian(int body, const Eigen::Vector3d& point_m, const Eigen::Matrix3d& axes,
                             double sign, Eigen::Ref<Eigen::MatrixXd> rows) const;
 
   /// G and c of a tree's loops: they stay closed with G v = 0, and c, in m and rad, is by how much

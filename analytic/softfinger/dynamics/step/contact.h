@@ -14,13 +14,6 @@ namespace softfinger {
 struct Contact {
   int a = -1, b = -1;                                 ///< bodies
   Eigen::Vector3d point_m = Eigen::Vector3d::Zero();  ///< halfway between the surfaces
-  /// Friction acts here, if it acts elsewhere than the normal force. Points that hold one face
-  /// share the pressure's centre: limits of the same shape about the same point add up to one limit
-  /// of the face's whole normal force, however that is distributed over the points.
-  std::optional<Eigen::Vector3d> centre_of_pressure_m;
-  const Eigen::Vector3d& friction_point_m() const {
-    return centre_of_pressure_m ? *centre_of_pressure_m : point_m;
-  }
   /// Columns: along the contact ellipse's long axis, its short axis, the normal from `a` to `b`.
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   double gap_m = 0;                                   ///< negative: the bodies overlap
@@ -29,10 +22,16 @@ struct Contact {
   double eccentricity_m = 0;                          ///< e_n, unless there is a law
   const EccentricityLaw* eccentricity_law = nullptr;  ///< e_n(P), eq. 6; outlives the step
   const FrictionShape* shape = nullptr;  ///< of FrictionRule::limit_surface; outlives the step
-  /// Points of the same number hold one flat face, and follow each other in the list: see
-  /// TimeStepper for how they share its force.
+  /// Contacts of the same number hold one flat face. Its points follow each other in the list.
   static constexpr long kNoFace = -1;
   long face = kNoFace;
+  enum class FaceRole {
+    rigid_point,  ///< one of a rigid face, with friction of its own
+    soft_point,   ///< one without friction, of a face that has a contact for it
+    friction  ///< the friction of a whole face, at the pressure's centre: under the normal forces
+              ///< of the face's points, and without one of its own
+  };
+  FaceRole role = FaceRole::rigid_point;
   static constexpr long kNoId = -1;
   long id = kNoId;  ///< the same from step to step for as long as the contact lasts
   /// Elastic compliance of the contact before it slides, along the axes and about the normal (m/N,

@@ -105,7 +105,9 @@ bool TimeStepper::drop_locked_contacts() {
   const std::size_t before = contacts_.size();
   std::size_t kept = 0;
   for (std::size_t i = 0; i < before; ++i)
-    if (opening_[i].first > kRounding * opening_[i].second) contacts_[kept++] = contacts_[i];
+    if (opening_[i].first > kRounding * opening_[i].second ||
+        contacts_[i].role == Contact::FaceRole::friction)
+      contacts_[kept++] = contacts_[i];
   contacts_.resize(kept);
   return kept < before;
 }
@@ -168,11 +170,10 @@ void TimeStepper::describe_rows() {
       const Contact& contact = contacts_[std::size_t(touching.row)];
       auto block = rows.middleRows<4>(4 * n);
       if (touching.body_a >= 0)
-        bodies_.add_contact_jacobian(touching.body_a, contact.point_m, contact.friction_point_m(),
-                                     contact.axes, -1, block);
+        bodies_.add_contact_jacobian(touching.body_a, contact.point_m, contact.axes, -1, block);
       if (touching.body_b >= 0)
-        bodies_.add_contact_jacobian(touching.body_b, contact.point_m, contact.friction_point_m(),
-                                     contact.axes, 1, block);
+        bodies_.add_contact_jacobian(touching.body_b, contact.point_m, contact.axes, 1, block);
+      if (contact.role == Contact::FaceRole::friction) block.row(0).setZero();
     }
   }
 }
@@ -223,8 +224,10 @@ void TimeStepper::assemble() {
     problem_.free_velocity[4 * i] = approach_[i] = approach_m_per_s(contacts_[std::size_t(i)]);
   for (int i = nc; i < rows; ++i)
     problem_.free_velocity[4 * i] = limits_[std::size_t(i - nc)].gap / dt;
-  for (Island& island : islands_)
+  for (Island& island : islands_) {
     island.problem.delassus.setZero(4 * int(island.rows.size()), 4 * int(island.rows.size()));
+    island.has_springs = false;
+  }
   begin_roots();
   for (std::size_t t = 0; t < touching_.size(); ++t)
     if (!touching_[t].empty()) add_tree(t);
@@ -236,10 +239,31 @@ void TimeStepper::assemble() {
   describe_rebounds();
 }
 
+/// Makes the normal impulse of a row known: its normal belongs to a body of its own, which nothing
+/// else moves, so that there is no other solution. Its Jacobian there is zero.
+void TimeStepper::know_normal_impulse(int row, double impulse) {
+  const Place& place = place_of_row_[std::size_t(row)];
+  Island& island = islands_[std::size_t(place.island)];
+  const auto diagonal = island.problem.delassus.diagonal().segment<4>(4 * place.position);
+  double& normal = island.problem.delassus(4 * place.position, 4 * place.position);
+  double speed = -1;
+  if (impulse > 0) {
+    // Any response will do. Residuals are relative to the largest velocity of a problem: this one
+    // is neither far above nor far below that of the friction.
+    constexpr double kLeastPart = 1e-3;
+    const double stopped = std::max(diagonal[1], diagonal[2]) * impulse;
+    speed = std::clamp(problem_.free_velocity.segment<2>(4 * row + 1).norm(), kLeastPart * stopped,
+                       stopped);
+    normal = speed / impulse;
+  } else {
+    normal = std::max(diagonal[1], diagonal[2]);
+  }
+  problem_.free_velocity[4 * row] = -speed;
+}
+
 /// The dry friction of joints is that of contacts with a known normal impulse, dt times the largest
-/// effort: it belongs to a body of its own, which nothing else moves, so that the row of the normal
-/// has no other solution. The joint's velocity is the first tangential one. The others are at rest,
-/// and so are their impulses zero.
+/// effort. The joint's velocity is the first tangential one. The others are at rest, and so are
+/// their impulses zero.
 void TimeStepper::add_dry_friction() {
   const double dt = options_.time_step_s;
   const int nc = int(contacts_.size());
@@ -249,20 +273,14 @@ void TimeStepper::add_dry_friction() {
     const Place& place = place_of_row_[std::size_t(row)];
     auto diagonal = islands_[std::size_t(place.island)].problem.delassus.diagonal().segment<4>(
         4 * place.position);
-    const double most = dt * bodies_.joint(limits_[std::size_t(i)].joint).dry_friction;
     // Loops may lock the joint: then there is nothing to resist.
     problem_.friction_coefficient[row] = diagonal[1] > 0 ? 1 : 0;
-    const double response = diagonal[1] > 0 ? diagonal[1] : 1;
-    // Any response will do. Residuals are relative to the largest velocity of a problem: this one
-    // is neither far above nor far below that of the joint.
-    constexpr double kLeastPart = 1e-3;
-    const double stopped = response * most;
-    const double speed =
-        std::clamp(std::abs(problem_.free_velocity[4 * row + 1]), kLeastPart * stopped, stopped);
-    diagonal[0] = speed / most;
-    diagonal.tail<2>().setConstant(response);
-    problem_.free_velocity[4 * row] = -speed;
+    diagonal.tail<2>().setConstant(diagonal[1] > 0 ? diagonal[1] : 1);
+    know_normal_impulse(row, dt * bodies_.joint(limits_[std::size_t(i)].joint).dry_friction);
   }
+  for (int i = 0; i < nc; ++i)
+    if (contacts_[std::size_t(i)].role == Contact::FaceRole::friction)
+      know_normal_impulse(i, face_impulses_[std::size_t(i)]);
 }
 
 TimeStepper::Island& TimeStepper::island_of(const std::vector<Touching>& rows) {
@@ -284,7 +302,7 @@ void TimeStepper::begin_roots() {
     root_elements_[island] += int(jacobians_[t].size());
   }
   for (std::size_t i = 0; i < contacts_.size(); ++i)
-    if (!contacts_[i].compliance.isZero(0) || contacts_[i].centre_of_pressure_m)
+    if (!contacts_[i].compliance.isZero(0) || contacts_[i].role != Contact::FaceRole::rigid_point)
       root_columns_[std::size_t(place_of_row_[i].island)] = kNone;
   for (std::size_t i = 0; i < limits_.size(); ++i)
     if (limits_[i].sign == kDryFriction)
@@ -321,11 +339,11 @@ void TimeStepper::add_to_root(const std::vector<Touching>& rows, const Eigen::Ma
   }
 }
 
-/// Replaces the tangential velocities of elastic contacts by those of sliding. Faces whose pressure
-/// has a centre always have springs, which are what that centre depends on.
+/// Replaces the tangential velocities of elastic contacts by those of sliding. Soft faces always
+/// have springs: the centre of their pressure depends on them.
 void TimeStepper::add_compliance() {
   const double dt = options_.time_step_s;
-  for (Island& island : islands_) add_springs(island, true);
+  for (Island& island : islands_) add_springs(island, Contact::FaceRole::soft_point);
   for (std::size_t i = 0; i < contacts_.size(); ++i) {
     const Contact& contact = contacts_[i];
     if (contact.compliance.isZero(0)) continue;
@@ -477,6 +495,7 @@ void TimeStepper::find_islands() {
   for (const Limit& limit : limits_)
     ids_.push_back(-2 - 3 * long(limit.joint) - (limit.sign > 0 ? 1 : limit.sign < 0 ? 0 : 2));
   place_of_row_.clear();
+  face_impulses_.assign(std::size_t(rows), 0);
   island_of_root_.assign(island_of_tree_.size(), -1);
   island_sizes_.clear();
   for (int row = 0; row < rows; ++row) {
@@ -558,6 +577,7 @@ void TimeStepper::continue_row(Island& island, std::size_t i, const Island& befo
   island.earlier_eccentricity_m[int(i)] = 0;
   const int row = island.rows[i];
   if (row >= int(contacts_.size())) return;
+  if (before.solved) face_impulses_[std::size_t(row)] = before.solution.impulse[4 * position];
   const EccentricityLaw* law = contacts_[std::size_t(row)].eccentricity_law;
   if (!law) return;
   const double last_m = before.problem.eccentricity_m[position];
@@ -648,33 +668,33 @@ bool TimeStepper::faces_slide(const Island& island) const {
   constexpr double kNone = 1e-7;
   const double least = kNone * island.problem.free_velocity.lpNorm<Eigen::Infinity>();
   for (std::size_t i = 0; i < island.rows.size(); ++i)
-    if (has_springs(island, i, false) && island.problem.friction_coefficient[int(i)] > 0 &&
+    if (has_springs(island, i, Contact::FaceRole::rigid_point) &&
+        island.problem.friction_coefficient[int(i)] > 0 &&
         island.solution.impulse[4 * int(i)] > 0 && island.solution.slip[int(i)] > least)
       return true;
   return false;
 }
 
-/// Whether a row is a point of a face with others, rigid or with a centre of pressure.
-bool TimeStepper::has_springs(const Island& island, std::size_t i, bool with_centre) const {
+/// Whether a row is a point of a face with others, in this role.
+bool TimeStepper::has_springs(const Island& island, std::size_t i, Contact::FaceRole role) const {
   const auto face = [&](std::size_t other) {
     const auto row = std::size_t(island.rows[other]);
     return row < contacts_.size() ? contacts_[row].face : Contact::kNoFace;
   };
   if (face(i) == Contact::kNoFace) return false;
-  if (bool(contacts_[std::size_t(island.rows[i])].centre_of_pressure_m) != with_centre)
-    return false;
+  if (contacts_[std::size_t(island.rows[i])].role != role) return false;
   return (i > 0 && face(i - 1) == face(i)) ||
          (i + 1 < island.rows.size() && face(i + 1) == face(i));
 }
 
 /// Equal springs under the points of each face.
 /// @param sign  -1: takes them out again
-void TimeStepper::add_springs(Island& island, bool with_centre, double sign) const {
+void TimeStepper::add_springs(Island& island, Contact::FaceRole role, double sign) const {
   constexpr double kSpring = 1e-6;
   double spring = 0;
   long face = Contact::kNoFace;
   for (std::size_t i = 0; i < island.rows.size(); ++i) {
-    if (!has_springs(island, i, with_centre)) continue;
+    if (!has_springs(island, i, role)) continue;
     double& normal = island.problem.delassus(4 * Eigen::Index(i), 4 * Eigen::Index(i));
     const long own = contacts_[std::size_t(island.rows[i])].face;
     if (own != face) spring = kSpring * normal;
@@ -684,7 +704,7 @@ void TimeStepper::add_springs(Island& island, bool with_centre, double sign) con
 }
 
 LcpResult TimeStepper::solve_with_springs(Island& island, StepResult& result) {
-  add_springs(island, false);
+  if (!island.has_springs) add_springs(island, Contact::FaceRole::rigid_point);
   island.has_springs = true;
   island.problem.root.swap(no_root_);
   const LcpResult solved = solve(island, result);
@@ -694,9 +714,8 @@ LcpResult TimeStepper::solve_with_springs(Island& island, StepResult& result) {
 
 /// Solves an island, with springs if its rigid faces slide.
 LcpResult TimeStepper::solve_faces(Island& island, StepResult& result) {
-  island.has_springs = false;
   LcpResult solved;
-  if (!island.faces_slid) {
+  if (!island.faces_slid && !island.has_springs) {
     solved = solve(island, result);
     if (solved.status != LcpStatus::solved || !faces_slide(island)) return solved;
     island.solved = false;  // of many solutions: the one with springs may be far from it
@@ -704,9 +723,53 @@ LcpResult TimeStepper::solve_faces(Island& island, StepResult& result) {
   solved = solve_with_springs(island, result);
   island.faces_slid = solved.status == LcpStatus::solved && faces_slide(island);
   if (solved.status == LcpStatus::solved) return solved;
-  add_springs(island, false, -1);
+  add_springs(island, Contact::FaceRole::rigid_point, -1);
   island.has_springs = false;
   return solve(island, result);
+}
+
+double TimeStepper::load_of_face(const Island& island, long face) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < island.rows.size(); ++i) {
+    const auto row = std::size_t(island.rows[i]);
+    if (row < contacts_.size() && contacts_[row].face == face &&
+        contacts_[row].role == Contact::FaceRole::soft_point)
+      sum += island.solution.impulse[4 * Eigen::Index(i)];
+  }
+  return sum;
+}
+
+/// Gives the friction of soft faces the load that they have now. Returns by how much the loads
+/// differ from those before, relative.
+double TimeStepper::take_own_loads(Island& island) {
+  double worst = 0;
+  for (const int row : island.rows) {
+    if (row >= int(contacts_.size())) continue;
+    const Contact& contact = contacts_[std::size_t(row)];
+    if (contact.role != Contact::FaceRole::friction) continue;
+    double& known = face_impulses_[std::size_t(row)];
+    const double own = load_of_face(island, contact.face);
+    if (own != known) worst = std::max(worst, std::abs(own - known) / std::max(own, known));
+    known = own;
+    know_normal_impulse(row, own);
+    island.problem.free_velocity[4 * place_of_row_[std::size_t(row)].position] =
+        problem_.free_velocity[4 * row];
+  }
+  return worst;
+}
+
+LcpResult TimeStepper::solve_under_own_loads(Island& island, StepResult& result) {
+  constexpr int kMostIterations = 50;
+  constexpr double kAgree = 1e-9;
+  for (int iteration = 1;; ++iteration) {
+    const LcpResult solved = solve_faces(island, result);
+    if (solved.status != LcpStatus::solved) return solved;
+    const double disagreement = take_own_loads(island);
+    if (disagreement > kAgree && iteration < kMostIterations) continue;
+    result.load_iterations = std::max(result.load_iterations, iteration);
+    result.load_disagreement = std::max(result.load_disagreement, disagreement);
+    return solved;
+  }
 }
 
 LcpResult TimeStepper::solve_islands(StepResult& result) {
@@ -719,7 +782,7 @@ LcpResult TimeStepper::solve_islands(StepResult& result) {
       island.solved = false;
       continue;
     }
-    const LcpResult solved = solve_faces(island, result);
+    const LcpResult solved = solve_under_own_loads(island, result);
     all.pivots += solved.pivots;
     all.attempts = std::max(all.attempts, solved.attempts);
     all.solved_by = std::max(all.solved_by, solved.solved_by);  // the lowest rung

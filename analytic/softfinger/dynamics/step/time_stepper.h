@@ -42,7 +42,7 @@ struct StepResult {
   double restitution_used = 1;  ///< 1, or the part of it that makes no energy
   int motor_changes = 0;        ///< motors that met or left their limits within the step
   bool motors_agree = true;
-  int load_iterations = 0;       ///< of e_n(P) and P to agreement
+  int load_iterations = 0;       ///< of e_n(P), faces' friction and P to agreement
   double load_disagreement = 0;  ///< of them at the end, relative
   double time_s = 0;             ///< at the end of the step
   bool done() const { return lcp.status == LcpStatus::solved; }
@@ -80,6 +80,9 @@ struct StepResult {
 /// The points of a flat face share its force as equal springs do, which give way a million times
 /// less than the bodies. Rigid bodies leave open how much each bears, and with it the torque that a
 /// pressed face holds. Where no rigid face slides that changes no motion, and there are no springs.
+///
+/// The friction of a soft face is one contact under the whole force that its points bear. It is
+/// solved with that of the last step, and again with its own until both agree.
 ///
 /// If a contact is elastic, the step uses its sliding velocity in place of its tangential velocity
 /// J v':
@@ -164,8 +167,11 @@ class TimeStepper {
   void add_tree(std::size_t tree);
   void add_compliance();
   bool faces_slide(const Island& island) const;
-  bool has_springs(const Island& island, std::size_t row, bool with_centre) const;
-  void add_springs(Island& island, bool with_centre, double sign = 1) const;
+  bool has_springs(const Island& island, std::size_t row, Contact::FaceRole role) const;
+  void add_springs(Island& island, Contact::FaceRole role, double sign = 1) const;
+  void know_normal_impulse(int row, double impulse);
+  double load_of_face(const Island& island, long face) const;
+  double take_own_loads(Island& island);
   void add_dry_friction();
   double approach_m_per_s(const Contact& contact) const;
   Eigen::VectorXd row_velocities(const Eigen::VectorXd& velocity) const;
@@ -180,6 +186,7 @@ class TimeStepper {
   LcpResult solve(Island& island, StepResult& result);
   LcpResult solve_with_springs(Island& island, StepResult& result);
   LcpResult solve_faces(Island& island, StepResult& result);
+  LcpResult solve_under_own_loads(Island& island, StepResult& result);
   LcpResult solve_islands(StepResult& result);
   int update_motors(bool one_only);
   SmoothMotion::Forces forces_on(std::size_t tree) const;
@@ -213,8 +220,9 @@ class TimeStepper {
   Eigen::VectorXd change_;                               ///< of velocities by impulses
   Eigen::VectorXd row_values_;  ///< of one tree after the other, of the rows that touch it
   std::vector<int> root_columns_, root_elements_;  ///< per island, at most
-  Eigen::VectorXd approach_;  ///< per contact: its part in v_free besides velocities
-  Eigen::VectorXd before_;    ///< row velocities before the step, of steps with rebounds
+  std::vector<double> face_impulses_;  ///< per row: the normal impulse under a face's friction
+  Eigen::VectorXd approach_;           ///< per contact: its part in v_free besides velocities
+  Eigen::VectorXd before_;             ///< row velocities before the step, of steps with rebounds
   double restitution_used_ = 1;
   bool rebounds_ = false;  ///< some contact, in this step
   ContactLcp problem_;     ///< of all rows, without W: each island has its own
