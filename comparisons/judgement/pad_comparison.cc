@@ -133,8 +133,11 @@ PadComparison compare_pad_load(const input::Case& contact_case, const PadShape& 
 /// One model over some loads that have a reference.
 struct PadRecord {
   std::string name;
-  double torque = 0, pressed = 0;  ///< the worst errors, signed
-  double cost_us = 0;              ///< the largest
+  double torque = 0;              ///< the worst error, signed
+  PadModelErrors::Worst pressed;  ///< that of pressing and tilting
+  double cost_us = 0;             ///< the largest
+
+  double larger() const { return std::max(std::abs(torque), std::abs(pressed.error)); }
 };
 
 PadRecord record_of(const std::vector<const PadComparison*>& loads, std::size_t model) {
@@ -145,7 +148,9 @@ PadRecord record_of(const std::vector<const PadComparison*>& loads, std::size_t 
     record.cost_us = std::max(record.cost_us, 1e-3 * compared.answer.cost_ns);
     if (!compared.errors) continue;
     record.torque = farther_off(record.torque, compared.errors->max_torque);
-    record.pressed = farther_off(record.pressed, compared.errors->pressed());
+    if (const auto worst = compared.errors->pressed();
+        std::abs(worst.error) > std::abs(record.pressed.error))
+      record.pressed = worst;
   }
   return record;
 }
@@ -156,12 +161,12 @@ std::string apart(double error) { return (error < 0 ? "-" : "+") + text::percent
 
 std::string agreement_of_pad(const PadRecord& record) {
   return fmt::format("torque within {}, pressing and tilting within {}", within(record.torque),
-                     within(record.pressed));
+                     within(record.pressed.error));
 }
 
 std::string departure_of_pad(const PadRecord& record) {
-  return fmt::format("off by {} in torque, {} in pressing or tilting", apart(record.torque),
-                     apart(record.pressed));
+  return fmt::format("off by {} in torque, {} in {}", apart(record.torque),
+                     apart(record.pressed.error), record.pressed.quantity);
 }
 
 std::string list_of(const std::vector<const PadComparison*>& loads) {
@@ -179,31 +184,34 @@ PadLoads at_which(const PadLoads& loads, std::size_t model, Judgement judgement)
   return found;
 }
 
-/// "; no model can be relied on at 200 N: ..", with the nearest of them.
-std::string unreliable(const PadLoads& open, bool& is_accident) {
-  std::string nearest = "none has an answer";
+/// "no model can be relied on at 200 N: ..", with the nearest of them.
+std::string unreliable(const PadLoads& open) {
+  std::string words = "none has an answer";
   double least = kInfinity;
   for (std::size_t model = 0; model < open.front()->models.size(); ++model) {
     if (!at_which(open, model, Judgement::silent).empty()) continue;
     const PadRecord record = record_of(open, model);
-    if (!(std::abs(record.torque) < least)) continue;
-    least = std::abs(record.torque);
-    is_accident = at_which(open, model, Judgement::accident).size() == open.size();
-    nearest = is_accident ? fmt::format("nearest is {} ({}), which states no bound there",
-                                        record.name, agreement_of_pad(record))
-                          : fmt::format("nearest is {}, {}", record.name, departure_of_pad(record));
+    if (!(record.larger() < least)) continue;
+    least = record.larger();
+    const bool states_none = std::any_of(open.begin(), open.end(), [&](const PadComparison* load) {
+      return !load->models[model].is_sound;
+    });
+    words = fmt::format("nearest is {}, {}{}", record.name, departure_of_pad(record),
+                        states_none ? ", which states no bound there" : "");
   }
   return fmt::format("o model can be relied on at {}: {}; ask the finite elements there",
-                     list_of(open), nearest);
+                     list_of(open), words);
 }
 
 }  // namespace
 
-double PadModelErrors::pressed() const {
-  double largest = 0;
-  for (const double error : {indentation, normal_stiffness, pressure_arm, tilt_stiffness})
-    largest = farther_off(largest, error);
-  return largest;
+PadModelErrors::Worst PadModelErrors::pressed() const {
+  Worst worst{indentation, "indentation"};
+  for (const Worst& other :
+       {Worst{normal_stiffness, "stiffness"}, Worst{pressure_arm, "the arm as pressed"},
+        Worst{tilt_stiffness, "tilt stiffness"}})
+    if (std::abs(other.error) > std::abs(worst.error)) worst = other;
+  return worst;
 }
 
 PadCaseComparison compare_pad(const input::Case& contact_case,
@@ -256,14 +264,10 @@ Verdict compose_pad_verdict(const std::vector<PadComparison>& loads) {
       others += fmt::format("; {} is {}", record.name, departure_of_pad(record));
     }
   }
-  bool is_accident = false;
-  if (!open.empty())
-    sentence += (sentence.empty() ? "N" : "; n") + unreliable(open, is_accident);
-  else
-    sentence += others;
-  verdict.verdict_class = open.empty()                   ? VerdictClass::good
-                          : is_any_usable || is_accident ? VerdictClass::mixed
-                                                         : VerdictClass::bad;
+  sentence += open.empty() ? others : (sentence.empty() ? "N" : "; n") + unreliable(open);
+  verdict.verdict_class = open.empty()    ? VerdictClass::good
+                          : is_any_usable ? VerdictClass::mixed
+                                          : VerdictClass::bad;
   if (!doubtful.empty())
     sentence += fmt::format("; the FEM's own error is too large at {}", list_of(doubtful));
   if (!failed.empty()) sentence += fmt::format("; FEM failed at {}", list_of(failed));

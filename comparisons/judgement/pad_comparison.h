@@ -22,8 +22,12 @@ struct PadModelErrors {
   double peak_pressure = 0;   ///< within 0.95 of the outline
   double tilt_stiffness = 0;  ///< about the axis with the larger error
 
-  /// The largest of those of pressing and tilting, signed: of all but torque and peak.
-  double pressed() const;
+  /// The largest of all but torque and peak, with its name.
+  struct Worst {
+    double error = 0;
+    const char* quantity = "indentation";
+  };
+  Worst pressed() const;
 };
 
 struct PadModelComparison {

@@ -14,9 +14,6 @@ namespace softfinger::reference {
 
 namespace {
 
-/// Exit status for numerics that failed, and for a program that wrote no sensible answer.
-constexpr int kNotConverged = 3;
-
 /// The error of the problem that a process was at when it ended before its time.
 FemDocument failure_of(const system::ProcessOutcome& outcome, const FemLimits& limits) {
   FemDocument answer;

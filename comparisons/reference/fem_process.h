@@ -14,6 +14,9 @@
 /// for each, all JSON (fem/README.md).
 namespace softfinger::reference {
 
+/// Exit status for numerics that failed, and for a program that wrote no sensible answer.
+constexpr int kNotConverged = 3;
+
 /// Limits of each problem. The defaults are far above what any contact of the suite needs.
 struct FemLimits {
   double time_s = 3600;

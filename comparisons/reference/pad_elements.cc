@@ -116,7 +116,6 @@ PadElementErrors errors_of(const json& stated, bool is_stuck) {
 }
 
 PadSolution solution_of(FemDocument given) {
-  constexpr int kNotConverged = 3;
   if (!given.failure.empty()) return {std::nullopt, given.failure, given.exit_status};
   ReadPadElements read = read_pad_elements(given.document);
   if (read.elements) return {std::move(read.elements), "", 0};
@@ -240,6 +239,42 @@ std::optional<std::string> elements_remark(const input::Case& contact_case) {
   if (!(std::get<input::PadPair>(contact_case.geometry).finger.edge_radius_m > 0)) return {};
   return "edge_radius_mm: the elements' block has the outline of the flat face, without the fillet "
          "around it";
+}
+
+std::optional<std::string> elements_refusal(const input::Case& contact_case) {
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  constexpr std::size_t kMostCorners = 12;
+  constexpr double kInside = 0.05;  // of the thickness
+  for (const input::FlatFigure* figure :
+       {&pair.finger.figure, pair.object.figure ? &*pair.object.figure : nullptr})
+    if (const auto* outline = figure ? std::get_if<input::OutlineFigure>(figure) : nullptr;
+        outline && outline->points_m.size() > kMostCorners)
+      return "the elements take outlines of at most 12 corners";
+  if (pair.covered == 1) return std::nullopt;
+  const auto inner = pair.pad.shrunk(kInside * contact_case.layer.thickness_m);
+  const auto& corners = pair.contact.vertices_m();
+  const bool is_inside = inner && std::all_of(corners.begin(), corners.end(),
+                                              [&](const auto& at) { return inner->contains(at); });
+  if (is_inside) return std::nullopt;
+  return "the elements take no face whose edge crosses the pad's outline, or comes nearer to it "
+         "than "
+         "a twentieth of the thickness";
+}
+
+double expected_pad_s(const input::Case& contact_case) {
+  // Measured on discs, rectangles and smaller faces, by level; a quarter is meshed where pad and
+  // face have two planes of symmetry.
+  constexpr std::array<double, 3> kQuarter_s = {0.7, 2.3, 11}, kPolygon_s = {1.5, 5, 25},
+                                  kSmallerFace_s = {2.3, 25, 120};
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  const auto level = std::size_t(contact_case.fem_level - 1);
+  const auto is_polygon = [](const input::FlatFigure& figure) {
+    return std::holds_alternative<input::OutlineFigure>(figure);
+  };
+  const bool has_face = pair.object.figure && pair.covered < 1;
+  const bool is_centred = pair.offset_m.isZero() && pair.angle_rad == 0;
+  if (has_face && (!is_centred || is_polygon(*pair.object.figure))) return kSmallerFace_s[level];
+  return is_polygon(pair.finger.figure) ? kPolygon_s[level] : kQuarter_s[level];
 }
 
 int run_pads(const std::string& program, const std::vector<FemDocuments>& batches, int parallel,

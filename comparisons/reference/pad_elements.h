@@ -61,6 +61,12 @@ nlohmann::json pad_problem(const input::Case& contact_case, double load_N, int l
 /// A sentence about the part of a case's geometry that the elements leave out, if there is any.
 std::optional<std::string> elements_remark(const input::Case& contact_case);
 
+/// Why the elements would refuse the case's geometry; nothing where they do not.
+std::optional<std::string> elements_refusal(const input::Case& contact_case);
+
+/// Roughly how long the elements take on one core of a usual machine.
+double expected_pad_s(const input::Case& contact_case);
+
 /// A result, or in one line why there is none.
 struct PadSolution {
   std::optional<PadElements> elements;

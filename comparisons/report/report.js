@@ -204,7 +204,7 @@
       const middle = (low[k] + high[k]) / 2, half = inner[k] / (2 * pixelsPerMm);
       return [middle - half, middle + half];
     });
-    const centre = [d3.polygonCentroid(outline.map((p) => [p.x, p.y]))][0];
+    const centre = d3.polygonCentroid(outline.map((p) => [p.x, p.y]));
     const bands = d3.ticks(0, 1e-3 * load.fem.peak_pressure_Pa, 6);
     const colour = (k) => d3.interpolateYlGnBu(0.12 + 0.8 * k / Math.max(1, bands.length - 1));
     const across = (k) => d3.extent(outline, (p) => p["xy"[k]]);
@@ -220,7 +220,7 @@
           const ring = (corners) => `M${corners.map((p) => `${scales.x(p.x)},${scales.y(p.y)}`).join("L")}Z`;
           const {width: w, height: h, marginLeft: l, marginRight: r, marginTop: t, marginBottom: b} = dimensions;
           return d3.create("svg:path").attr("class", "outside").attr("fill", "var(--page)").attr("fill-rule", "evenodd")
-            .attr("d", `M${l},${t}H${w - r}V${h - b}H${l}Z${ring(outline)}`).node();
+            .attr("d", `M${l - 1},${t - 1}H${w - r + 2}V${h - b + 2}H${l - 1}Z${ring(outline)}`).node();
         },
         Plot.line(pad, {x: "x", y: "y", curve: "linear", stroke: "var(--muted)", strokeWidth: 1}),
         Plot.line(outline, {x: "x", y: "y", curve: "linear", stroke: "var(--fem)", strokeWidth: 2}),

@@ -302,7 +302,15 @@ Html simulator_table(const Json& report) {
          rows + "</tbody></table></div>\n";
 }
 
-Html how_to_read(const Json& report) {
+Html how_to_read(const Json& report, const Json& pads) {
+  const Html of_pads =
+      pads.empty()
+          ? ""
+          : Html(
+                "<li>A flat pad touches where pad and face overlap: it has no semi-axes, and its "
+                "area is known. A model is called usable there where the maximal torque is within "
+                "the tolerance and the model states a bound. The reference is the whole pad with "
+                "its free sides, in linear theory.</li>\n");
   return html(
       R"(<h2 id="reading">How to read this page</h2>
 <ul>
@@ -312,9 +320,9 @@ Html how_to_read(const Json& report) {
 <li>± behind an FEM value is the error that it states itself, from its last two meshes. A smaller difference says nothing about a model.</li>
 <li>“Outside its range” means that another assumption of the model fails, or one that this reference shares. A small error there can be a coincidence, where the error changes its sign. Such agreement does not make the model usable.</li>
 <li>e<sub>n</sub> is the maximal torque divided by μP. The <i>exact</i> torque integrates μ p r over the ellipse; the <i>paper</i> rule takes the circle of the same area and is lower for long contacts.</li>
-</ul>
+{}</ul>
 )",
-      plain(tolerance(report), 100) + " %");
+      plain(tolerance(report), 100) + " %", of_pads);
 }
 
 Html model_cards(const Json& report) {
@@ -392,7 +400,7 @@ Html report_body(const Json& report, const Json& pads, const Cases& cases) {
     out += case_section(report, child(report, "cases")[i], cases[i]);
   for (const Json& pad : pads) out += pad_section(report, pad);
   return out + simulator + speed + validity_map_section(report) + error_causes_section(report) +
-         finite_strain + experiments + how_to_read(report) + cards + provenance(report);
+         finite_strain + experiments + how_to_read(report, pads) + cards + provenance(report);
 }
 
 }  // namespace
