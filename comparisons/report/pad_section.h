@@ -16,7 +16,7 @@ Html pads_overview(const Json& report, const Json& pads);
 /// One pad: question, verdict, places for the charts, every number as a table.
 Html pad_section(const Json& report, const Json& pad);
 
-/// What the charts of the pads need (report.js).
+/// Data of the charts of the pads (report.js).
 Json pads_chart_data(const Json& pads);
 
 }  // namespace softfinger::report

@@ -342,7 +342,7 @@ TEST_F(FlatPad, GetsTheCheapestModelThatIsAccurateEnough) {
   EXPECT_EQ(chosen({"--tolerance", "0.005"})["model"], "fem");
   EXPECT_TRUE(chosen({"--tolerance", "0.005", "--budget-us", "100"})["model"].is_null());
   EXPECT_EQ(chosen({"--tolerance", "0.3", "--models", "pad_uniform"})["model"], "pad_uniform");
-  // Of foam the pressure is uniform.
+  // The pressure on foam is uniform.
   EXPECT_EQ(chosen({"--tolerance", "0.01", "--set", "layer.poisson_ratio=0"})["model"],
             "pad_layer");
   // The elements refuse a face that crosses the pad's outline, and the models know no bound.

@@ -23,7 +23,7 @@ nlohmann::json selection_report(const input::Case& contact_case,
                                 const SelectionOptions& options,
                                 const std::vector<LoadChoice>& choices, const std::string& command);
 
-/// What the options demand beside the tolerance, for the page; empty where nothing.
+/// The options' demands beside the tolerance, in words for the page; may be empty.
 std::string limits_in_words(const SelectionOptions& options);
 
 /// A choice for a scene or a pad, with what its page says of the models and of its origin.
