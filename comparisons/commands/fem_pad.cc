@@ -65,14 +65,15 @@ std::string elements_text(const PadElements& pad, const PadAnswer& model) {
     const auto apart = [](double predicted, double found) {
       return fmt::format("{:+.1f} %", 100 * (predicted / found - 1));
     };
-    text += fmt::format(
-        "  pad_layer is off by: torque {}, d {}, stiffness {}, arm as pressed {}{}\n",
-        apart(p.eccentricity_m, pad.eccentricity_m), apart(p.indentation_m, pad.indentation_m),
-        apart(p.normal_stiffness_N_per_m, pad.normal_stiffness_N_per_m),
-        apart(p.pressure_arm_m, pad.pressure_arm_m),
-        model.bound ? "; it states torque ± " + text::percent(model.bound->max_torque) + ", d ± " +
-                          text::percent(model.bound->indentation)
-                    : "; no bound is known for it here");
+    text +=
+        fmt::format("  pad_layer is off by: torque {}, d {}, stiffness {}, arm as pressed {}{}\n",
+                    apart(p.eccentricity_m, pad.eccentricity_m),
+                    apart(indentation_at_load_m(model), pad.indentation_m),
+                    apart(p.normal_stiffness_N_per_m, pad.normal_stiffness_N_per_m),
+                    apart(p.pressure_arm_m, pad.pressure_arm_m),
+                    model.bound ? "; it states torque ± " + text::percent(model.bound->max_torque) +
+                                      ", d ± " + text::percent(model.bound->indentation)
+                                : "; no bound is known for it here");
   }
   return text + fmt::format("  {:.0f} unknowns, {:.1f} s, {:.0f} MB\n", pad.unknowns, pad.wall_s,
                             pad.peak_memory_MB);

@@ -23,14 +23,15 @@ double farther_off(double one, double other) {
   return std::abs(other) > std::abs(one) ? other : one;
 }
 
-PadModelErrors pad_errors(const PadPrediction& prediction, const PadElements& elements) {
+PadModelErrors pad_errors(const PadAnswer& answer, const PadElements& elements) {
+  const PadPrediction& prediction = answer.prediction;
   const auto error = [](double value, double truth) { return value / truth - 1; };
   const auto tilt = [&](std::size_t axis) {
     return error(prediction.tilt_stiffness_Nm_per_rad[axis],
                  elements.tilt_stiffness_Nm_per_rad[axis]);
   };
   PadModelErrors errors;
-  errors.indentation = error(prediction.indentation_m, elements.indentation_m);
+  errors.indentation = error(indentation_at_load_m(answer), elements.indentation_m);
   errors.normal_stiffness =
       error(prediction.normal_stiffness_N_per_m, elements.normal_stiffness_N_per_m);
   errors.pressure_arm = error(prediction.pressure_arm_m, elements.pressure_arm_m);
@@ -110,7 +111,7 @@ PadModelComparison compare_pad_model(const PadModel& model, const input::Case& c
   compared.along_x = model_profile(compared.answer, 0);
   compared.along_y = model_profile(compared.answer, 1);
   if (!load.elements) return compared;
-  compared.errors = pad_errors(compared.answer.prediction, *load.elements);
+  compared.errors = pad_errors(compared.answer, *load.elements);
   compared.judgement = judge(std::abs(compared.errors->max_torque), compared.is_sound, tolerance);
   return compared;
 }
@@ -224,11 +225,11 @@ PadCaseComparison compare_pad(const input::Case& contact_case,
     compared.loads.push_back(compare_pad_load(contact_case, *compared.shape,
                                               contact_case.loads_N[load],
                                               std::move(solutions[load]), tolerance));
-  compared.verdict = compose_pad_verdict(compared.loads);
+  compared.verdict = compose_pad_verdict(compared.loads, tolerance);
   return compared;
 }
 
-Verdict compose_pad_verdict(const std::vector<PadComparison>& loads) {
+Verdict compose_pad_verdict(const std::vector<PadComparison>& loads, double tolerance) {
   PadLoads all, failed, doubtful;
   for (const PadComparison& load : loads) {
     (load.elements ? all : failed).push_back(&load);
@@ -261,7 +262,9 @@ Verdict compose_pad_verdict(const std::vector<PadComparison>& loads) {
     }
     if (at_which(all, model, Judgement::silent).empty()) {
       const PadRecord record = record_of(all, model);
-      others += fmt::format("; {} is {}", record.name, departure_of_pad(record));
+      others += record.larger() <= tolerance
+                    ? fmt::format("; {} will do, too ({})", record.name, agreement_of_pad(record))
+                    : fmt::format("; {} is {}", record.name, departure_of_pad(record));
     }
   }
   sentence += open.empty() ? others : (sentence.empty() ? "N" : "; n") + unreliable(open);

@@ -65,6 +65,6 @@ PadCaseComparison compare_pad(const input::Case& contact_case,
 
 /// One sentence that says whether the default closed form can be used, what it costs, and how far
 /// the other model is off.
-Verdict compose_pad_verdict(const std::vector<PadComparison>& loads);
+Verdict compose_pad_verdict(const std::vector<PadComparison>& loads, double tolerance);
 
 }  // namespace softfinger::judgement

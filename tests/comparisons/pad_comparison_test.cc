@@ -77,6 +77,23 @@ TEST(PadComparison, HasTheErrorsOfTheModelsAgainstTheElements) {
       << compared.verdict.sentence;
 }
 
+/// Elements state the approach where the load acts: d + tilt times its distance from the middle.
+TEST(PadComparison, ComparesTheApproachWhereTheLoadActs) {
+  input::Case contact_case = pad_to_compare();
+  auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  pair.load_at_m = Eigen::Vector2d(1e-3, 2e-3);
+  const PadShape shape(pair.contact);
+  const prediction::PadAnswer answer =
+      prediction::ask_pad_model(*find_pad_model("pad_layer"), contact_case, shape, 20, {}, 0);
+  EXPECT_GT(indentation_at_load_m(answer), answer.prediction.indentation_m);
+  // Work: a load off the middle goes down by the compliance of the approach and of both tilts.
+  const double tilts = 20 * (2e-3 * 2e-3 / answer.prediction.tilt_stiffness_Nm_per_rad[0] +
+                             1e-3 * 1e-3 / answer.prediction.tilt_stiffness_Nm_per_rad[1]);
+  EXPECT_NEAR(indentation_at_load_m(answer),
+              20 / answer.prediction.normal_stiffness_N_per_m + tilts,
+              1e-4 * indentation_at_load_m(answer));
+}
+
 TEST(PadVerdict, SaysAtWhichLoadsNoModelHolds) {
   // 1800 N compress the pad by more than a tenth: no bound is known there.
   const input::Case contact_case = pad_to_compare("[20, 1800, 2000]");
@@ -95,6 +112,16 @@ TEST(PadVerdict, SaysAtWhichLoadsNoModelHolds) {
         "1800 N: nearest is Pad layer, off by ",
         "which states no bound there; ask the finite elements there; FEM failed at 2000 N."})
     EXPECT_NE(verdict.sentence.find(words), std::string::npos) << verdict.sentence;
+}
+
+TEST(PadVerdict, NamesASecondModelThatWillDo) {
+  input::Case foam = pad_to_compare();
+  foam.layer.poisson_ratio = 0;
+  const judgement::Verdict verdict =
+      judgement::compare_pad(foam, {elements_like_pad_layer(foam, 20)}, kPadTolerance).verdict;
+  EXPECT_NE(verdict.sentence.find("; Pad uniform will do, too (torque within 0.1 %"),
+            std::string::npos)
+      << verdict.sentence;
 }
 
 TEST(PadVerdict, IsBadWhereTheTorqueIsOff) {
