@@ -57,10 +57,12 @@ void add_compare(CLI::App& app, Action& action, const std::string& command_line)
       "A reference that states a larger error than its limits is solved once more, one level "
       "finer.\n"
       "Finished results are kept: the same command continues after an interruption.\n"
+      "A flat pad is compared with finite elements of the whole pad, in linear theory.\n"
       "The program softfinger-fem is looked for beside this one, or in SOFTFINGER_FEM_PROGRAM.\n"
       "Samples:\n"
       "  softfinger compare hertz_circle --output hertz_report\n"
-      "  softfinger compare seed_thumb seed_ring_finger --output seed_report --jobs 2");
+      "  softfinger compare seed_thumb seed_ring_finger --output seed_report --jobs 2\n"
+      "  softfinger compare robotiq_like_pad --output pad_report");
   command->callback([options, command_line, &action] {
     action = [options, command_line] {
       require_single_process("softfinger-sweep with fem = true");

@@ -24,14 +24,8 @@ using nlohmann::json;
 using prediction::PadAnswer;
 using reference::PadElements;
 
-double error_of(const PadElements& pad, const char* quantity) {
-  const json error = pad.error.value(quantity, json());
-  return error.is_number() ? error.get<double>() : kNaN;
-}
-
-std::string error_words(const PadElements& pad, const char* quantity) {
-  const double error = error_of(pad, quantity);
-  return std::isfinite(error) ? "± " + text::percent(error) : "± ?";
+std::string error_words(const std::optional<double>& error) {
+  return error ? "± " + text::percent(*error) : "± ?";
 }
 
 std::string first_line(const PadElements& pad, const PadAnswer& model) {
@@ -39,7 +33,7 @@ std::string first_line(const PadElements& pad, const PadAnswer& model) {
   return fmt::format(
       "{:g} N: torque {:.4g} mN·m {}, by finite elements; pad contact {:.3g} x {:.3g} mm{}; e_n "
       "{:.4g} mm\n",
-      pad.load_N, 1e3 * pad.max_torque_Nm, error_words(pad, "max_torque"), extent_mm.x(),
+      pad.load_N, 1e3 * pad.max_torque_Nm, error_words(pad.error.max_torque), extent_mm.x(),
       extent_mm.y(),
       pad.lifted_share > 0 ? fmt::format(", {:.0f} % of it lifted off", 100 * pad.lifted_share)
                            : "",
@@ -59,10 +53,10 @@ std::string elements_text(const PadElements& pad, const PadAnswer& model) {
       "  tilt stiffness about x {:.4g}, about y {:.4g} N·m/rad; without lift-off at most {} and {} "
       "mN·m\n"
       "  stuck: torsional stiffness {:.4g} N·m/rad, tangential {:.4g} and {:.4g} N/mm\n",
-      1e3 * pad.indentation_m, error_words(pad, "indentation"), 1e-3 * pad.normal_stiffness_N_per_m,
-      error_words(pad, "normal_stiffness"), 1e3 * pad.pressure_arm_m,
-      error_words(pad, "pressure_arm"), 1e-3 * pad.peak_pressure_Pa,
-      error_words(pad, "peak_pressure_inside"), pad.tilt_stiffness_Nm_per_rad[0],
+      1e3 * pad.indentation_m, error_words(pad.error.indentation),
+      1e-3 * pad.normal_stiffness_N_per_m, error_words(pad.error.normal_stiffness),
+      1e3 * pad.pressure_arm_m, error_words(pad.error.pressure_arm), 1e-3 * pad.peak_pressure_Pa,
+      error_words(pad.error.peak_pressure), pad.tilt_stiffness_Nm_per_rad[0],
       pad.tilt_stiffness_Nm_per_rad[1], limit_words(pad.tilt_limit_Nm[0]),
       limit_words(pad.tilt_limit_Nm[1]), pad.torsional_stiffness_Nm_per_rad,
       1e-3 * pad.tangential_stiffness_N_per_m[0], 1e-3 * pad.tangential_stiffness_N_per_m[1]);
@@ -71,55 +65,18 @@ std::string elements_text(const PadElements& pad, const PadAnswer& model) {
     const auto apart = [](double predicted, double found) {
       return fmt::format("{:+.1f} %", 100 * (predicted / found - 1));
     };
-    text += fmt::format(
-        "  pad_layer is off by: torque {}, d {}, stiffness {}, arm as pressed {}{}\n",
-        apart(p.eccentricity_m, pad.eccentricity_m), apart(p.indentation_m, pad.indentation_m),
-        apart(p.normal_stiffness_N_per_m, pad.normal_stiffness_N_per_m),
-        apart(p.pressure_arm_m, pad.pressure_arm_m),
-        model.bound ? "; it states torque ± " + text::percent(model.bound->max_torque) + ", d ± " +
-                          text::percent(model.bound->indentation)
-                    : "; no bound is known for it here");
+    text +=
+        fmt::format("  pad_layer is off by: torque {}, d {}, stiffness {}, arm as pressed {}{}\n",
+                    apart(p.eccentricity_m, pad.eccentricity_m),
+                    apart(indentation_at_load_m(model), pad.indentation_m),
+                    apart(p.normal_stiffness_N_per_m, pad.normal_stiffness_N_per_m),
+                    apart(p.pressure_arm_m, pad.pressure_arm_m),
+                    model.bound ? "; it states torque ± " + text::percent(model.bound->max_torque) +
+                                      ", d ± " + text::percent(model.bound->indentation)
+                                : "; no bound is known for it here");
   }
   return text + fmt::format("  {:.0f} unknowns, {:.1f} s, {:.0f} MB\n", pad.unknowns, pad.wall_s,
                             pad.peak_memory_MB);
-}
-
-json elements_json(const PadElements& pad, const PadAnswer& model, double mu) {
-  json points = json::array();
-  for (const Eigen::Vector2d& vertex : model.problem.shape->outline().vertices_m())
-    points.push_back({vertex.x(), vertex.y()});
-  json limits = json::array();
-  for (const auto& limit : pad.tilt_limit_Nm) limits.push_back(limit ? json(*limit) : json());
-  json result = {
-      {"load_N", pad.load_N},
-      {"model", "fem"},
-      {"contact", "patch"},
-      {"a_m", nullptr},
-      {"b_m", nullptr},
-      {"axis_rad", nullptr},
-      {"area_m2", pad.area_m2 * (1 - pad.lifted_share)},
-      {"outline_m", points},
-      {"geometry", "flat"},
-      {"kinematics", "linear"},
-      {"pressing", model.problem.pressing == PadPressing::stuck ? "stuck" : "frictionless"},
-      {"indentation_m", pad.indentation_m},
-      {"normal_stiffness_N_per_m", pad.normal_stiffness_N_per_m},
-      {"peak_pressure_Pa", pad.peak_pressure_Pa},
-      {"pressure_arm_m", pad.pressure_arm_m},
-      {"eccentricity_m", pad.eccentricity_m},
-      {"max_force_N", mu * pad.load_N},
-      {"max_torque_Nm", pad.max_torque_Nm},
-      {"tilt_limit_Nm", limits},
-      {"tilt_stiffness_Nm_per_rad", pad.tilt_stiffness_Nm_per_rad},
-      {"torsional_stiffness_Nm_per_rad", pad.torsional_stiffness_Nm_per_rad},
-      {"tangential_stiffness_N_per_m", pad.tangential_stiffness_N_per_m},
-      {"lifted_share", pad.lifted_share},
-      {"error", pad.error},
-      {"unknowns", pad.unknowns},
-      {"wall_s", pad.wall_s},
-      {"peak_memory_MB", pad.peak_memory_MB}};
-  if (!pad.limit_surface.empty()) result["limit_surface"] = pad.limit_surface;
-  return result;
 }
 
 }  // namespace
@@ -127,38 +84,45 @@ json elements_json(const PadElements& pad, const PadAnswer& model, double mu) {
 int fem_pad(const PadFemQuestion& question, const input::Case& contact_case) {
   const auto& pair = std::get<input::PadPair>(contact_case.geometry);
   const int level = question.level > 0 ? question.level : contact_case.fem_level;
-  if (pair.finger.edge_radius_m > 0)
-    remark(
-        "edge_radius_mm: the elements' block has the outline of the flat face, without the fillet "
-        "around it");
+  if (const auto left_out = reference::elements_remark(contact_case)) remark(*left_out);
   const std::string program = system::fem_program().string();
-  std::vector<json> problems;
+  reference::FemDocuments problems;
+  problems.single_thread = false;
+  problems.limits = question.limits;
   for (const double load_N : contact_case.loads_N)
-    problems.push_back(reference::pad_problem(contact_case, load_N, level, question.limit_surface));
+    problems.problems.push_back(
+        reference::pad_problem(contact_case, load_N, level, question.limit_surface));
   system::Progress progress;
-  const reference::PadRun run = reference::solve_pads(
-      program, problems, question.limits, [&](std::size_t load, const std::string& line) {
-        progress.say(
-            fmt::format("{} {:g} N: {}", contact_case.id, contact_case.loads_N[load], line));
-      });
-  if (run.interrupted != 0) return 128 + run.interrupted;
-  if (!run.failure.failure.empty()) {
-    progress.fail(fmt::format("softfinger: error: {} {:g} N: {}", contact_case.id,
-                              contact_case.loads_N[run.of_load.size()], run.failure.failure));
-    return run.failure.exit_status;
-  }
+  std::vector<reference::PadSolution> solutions;
+  reference::PadCallbacks callbacks;
+  const auto title = [&](std::size_t load) {
+    return fmt::format("{} {:g} N", contact_case.id, contact_case.loads_N[load]);
+  };
+  callbacks.on_line = [&](reference::FemIndex index, const std::string& line) {
+    progress.say(title(index.problem) + ": " + line);
+  };
+  callbacks.on_solution = [&](reference::FemIndex, reference::PadSolution solution) {
+    solutions.push_back(std::move(solution));
+  };
+  if (const int signal = reference::run_pads(program, {problems}, 1, callbacks))
+    return 128 + signal;
+  for (std::size_t load = 0; load < solutions.size(); ++load)
+    if (!solutions[load].elements) {
+      progress.fail("softfinger: error: " + title(load) + ": " + solutions[load].failure);
+      return solutions[load].exit_status;
+    }
   const PadShape shape(pair.contact);
   std::string answers, evidence;
   json results = json::array();
-  for (std::size_t load = 0; load < run.of_load.size(); ++load) {
-    PadElements pad = run.of_load[load];
+  for (std::size_t load = 0; load < solutions.size(); ++load) {
+    PadElements pad = *solutions[load].elements;
     pad.load_N = contact_case.loads_N[load];  // as typed
     const PadAnswer model = prediction::ask_pad_model(*find_pad_model("pad_layer"), contact_case,
                                                       shape, pad.load_N, {}, 0);
     answers += first_line(pad, model);
-    evidence += (run.of_load.size() > 1 ? fmt::format("\n{:g} N\n", pad.load_N) : "") +
+    evidence += (solutions.size() > 1 ? fmt::format("\n{:g} N\n", pad.load_N) : "") +
                 elements_text(pad, model);
-    results.push_back(elements_json(pad, model, contact_case.shear_law.friction_coefficient));
+    results.push_back(reference::to_json(pad, contact_case));
   }
   if (question.json)
     system::write_to_stdout(text::printed(json({{"case", contact_case.id}, {"results", results}})));

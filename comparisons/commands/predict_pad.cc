@@ -12,6 +12,7 @@
 #include "comparisons/exporting/mujoco_friction.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/input_doubt.h"
+#include "comparisons/judgement/pad_doubt.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/pad_answer.h"
 #include "comparisons/system/files.h"
@@ -28,57 +29,6 @@ using prediction::PadAnswer;
 
 const PadPair& pads_of(const input::Case& contact_case) {
   return std::get<PadPair>(contact_case.geometry);
-}
-
-PadAnswer asked_again(const PadAnswer& answer, const input::Case& contact_case,
-                      const PadShape& shape, double load_N) {
-  return prediction::ask_pad_model(*answer.model, contact_case, shape, load_N, {}, 0);
-}
-
-/// Changes by the case's own doubts, each at both bounds; see judgement::DoubtedCases.
-std::optional<judgement::InputDoubt> pad_doubt(const input::Case& contact_case,
-                                               const PadAnswer& answer, std::size_t load) {
-  if (contact_case.doubts.empty() || !answer.prediction.has_answer) return std::nullopt;
-  const auto numbers_of = [](const PadAnswer& of) -> std::array<double, 5> {
-    return {of.prediction.indentation_m, of.problem.shape->outline().area_m2(),
-            of.prediction.peak_pressure_Pa, of.friction_ellipsoid().max_torque_Nm(),
-            of.prediction.eccentricity_m};
-  };
-  constexpr std::size_t kTorque = 3;
-  const auto here = numbers_of(answer);
-  std::array<double, 5> sum{};
-  double down = 0, up = 0;
-  for (const input::Doubt& doubt : contact_case.doubts) {
-    std::array<double, 5> largest{};
-    double lower = 0, upper = 0;
-    bool any = false;
-    std::optional<InputError> refusal;
-    for (const double value : {doubt.lower, doubt.upper}) {
-      try {
-        const input::Case moved = with_value(contact_case, doubt, value);
-        const PadShape shape(pads_of(moved).contact);
-        const auto there = numbers_of(asked_again(answer, moved, shape, moved.loads_N[load]));
-        for (std::size_t n = 0; n < there.size(); ++n)
-          largest[n] = std::max(largest[n], std::abs(there[n] / here[n] - 1));
-        const double factor = std::log(there[kTorque] / here[kTorque]);
-        lower = std::max(lower, -factor);
-        upper = std::max(upper, factor);
-        any = true;
-      } catch (const InputError& error) {
-        refusal = error;
-      }
-    }
-    if (!any) throw *refusal;
-    for (std::size_t n = 0; n < sum.size(); ++n) sum[n] = std::hypot(sum[n], largest[n]);
-    down = std::hypot(down, lower);
-    up = std::hypot(up, upper);
-  }
-  judgement::InputDoubt doubt;
-  doubt.relative = {0, 0, sum[0], sum[1], sum[2], sum[3]};
-  doubt.eccentricity = sum[4];
-  doubt.torque_down = std::expm1(-down);
-  doubt.torque_up = std::expm1(up);
-  return doubt;
 }
 
 std::string bound_words(double bound) { return std::isfinite(bound) ? text::percent(bound) : "?"; }
@@ -103,29 +53,6 @@ std::string pad_answer_line(const PadAnswer* answer, double load_N,
       1e3 * limit.max_torque_Nm(), bound_words(answer->bound_of(prediction::Quantity::max_torque)),
       in_words(inputs), answer->model->card().name, extent_mm.x(), extent_mm.y(),
       1e3 * limit.eccentricity_m, lines);
-}
-
-/// "h + 10 %: +0.8 %, nu + 0.005: .., mu + 10 %: +10 %": changes of the largest torque.
-std::string pad_cost_of_inputs(const PadAnswer& answer) {
-  std::string words;
-  const auto add = [&](const char* what, const PadProblem& changed) {
-    const PadPrediction there = answer.model->predict(changed);
-    if (!there.has_answer) return;
-    const double percent =
-        100 * (there.eccentricity_m * changed.load.friction_coefficient /
-                   (answer.prediction.eccentricity_m * answer.problem.load.friction_coefficient) -
-               1);
-    words += fmt::format("{}{}: {:+.1f} %", words.empty() ? "" : ", ", what,
-                         std::abs(percent) < 0.05 ? 0 : percent);
-  };
-  PadProblem thicker = answer.problem, softer = answer.problem, rougher = answer.problem;
-  softer.layer.poisson_ratio = std::max(0.0, softer.layer.poisson_ratio - 0.01);
-  thicker.layer.thickness_m *= 1.1;
-  rougher.load.friction_coefficient *= 1.1;
-  add("h + 10 %", thicker);
-  add("nu - 0.01", softer);
-  add("mu + 10 %", rougher);
-  return words + "; E counts for nothing";
 }
 
 constexpr const char* kPadRow = "  {:<13} {:>7} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8}\n";
@@ -250,13 +177,14 @@ int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
     for (const PadAnswer& answer : answers) {
       results.push_back(to_json(answer, question.limit_surface));
       results.back()["recommended"] = &answer == first;
-      results.back()["input_doubt"] = to_json(pad_doubt(contact_case, answer, load));
+      results.back()["input_doubt"] = to_json(judgement::pad_doubt(contact_case, answer, load));
       if (question.limit_surface > 0) surfaces += pad_surface_text(results.back());
     }
-    first_lines += pad_answer_line(first, load_N, question.demand,
-                                   first ? pad_doubt(contact_case, *first, load) : std::nullopt);
+    first_lines +=
+        pad_answer_line(first, load_N, question.demand,
+                        first ? judgement::pad_doubt(contact_case, *first, load) : std::nullopt);
     if (contact_case.loads_N.size() > 1) blocks += fmt::format("\n{:g} N\n", load_N);
-    if (first) blocks += "  torque by the inputs: " + pad_cost_of_inputs(*first) + "\n";
+    if (first) blocks += "  torque by the inputs: " + judgement::pad_cost_of_inputs(*first) + "\n";
     blocks += pad_rows(answers, question.demand);
     evidence += fmt::format("\n{:g} N\n", load_N);
     for (const PadAnswer& answer : answers) evidence += pad_evidence(answer);

@@ -4,16 +4,20 @@
 #include <cmath>
 #include <memory>
 
+#include "comparisons/commands/answer_lines.h"
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/demand_input.h"
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/next_step.h"
+#include "comparisons/judgement/pad_doubt.h"
 #include "comparisons/judgement/selection/model_choice.h"
+#include "comparisons/judgement/selection/pad_choice.h"
 #include "comparisons/judgement/selection/scene_choice.h"
 #include "comparisons/judgement/selection/selection_report.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/pad_answer.h"
 #include "comparisons/reference/fem_process.h"
 #include "comparisons/report/hold.h"
 #include "comparisons/report/select_page.h"
@@ -40,9 +44,13 @@ struct SelectOptions {
 };
 
 /// Names of models, and "fem".
-std::vector<std::string> allowed_models(const std::string& typed) {
+/// @param all  the models that there are for the case
+template <class Model>
+std::vector<std::string> allowed_models(const std::string& typed,
+                                        const std::vector<const Model*>& all) {
   std::vector<std::string> names, known = {"fem"};
-  for (const PressureModel* model : all_pressure_models()) known.emplace_back(model->card().name);
+  if (typed.empty()) return names;
+  for (const Model* model : all) known.emplace_back(model->card().name);
   for (std::size_t start = 0; start <= typed.size();) {
     const std::size_t end = std::min(typed.find(',', start), typed.size());
     const std::string name = typed.substr(start, end - start);
@@ -255,19 +263,85 @@ std::string advice(const input::Case& contact_case, const prediction::GeometryRe
   return judgement::next_step(contact_case, resolver, answer, demand).in_words();
 }
 
+/// Results of all loads in one list, after the choices.
+nlohmann::json selection_json(const input::Case& contact_case, double tolerance,
+                              const std::vector<judgement::Choice>& choices) {
+  nlohmann::json chosen = nlohmann::json::array(), results = nlohmann::json::array();
+  for (const judgement::Choice& choice : choices) {
+    chosen.push_back(to_json(choice));
+    for (const nlohmann::json& one : judgement::results_json(choice)) results.push_back(one);
+  }
+  return {{"case", contact_case.id},
+          {"tolerance", tolerance},
+          {"choices", chosen},
+          {"results", results}};
+}
+
+/// A pad's choice and, behind it, what the case's own doubts move, which no model can mend.
+struct PadWords {
+  std::string answer, inputs;
+};
+
+PadWords words_of(const judgement::Choice& choice, const input::Case& contact_case,
+                  const PadShape& shape, std::size_t load) {
+  PadWords words{answer_line(choice), ""};
+  const prediction::PadAnswer answer = prediction::ask_pad_model(
+      *all_pad_models().front(), contact_case, shape, choice.load_N, prediction::Demand{}, 0);
+  if (!answer.prediction.has_answer) return words;
+  words.answer.pop_back();
+  words.answer += in_words(judgement::pad_doubt(contact_case, answer, load)) + "\n";
+  words.inputs = "  torque by the inputs: " + judgement::pad_cost_of_inputs(answer) + "\n";
+  return words;
+}
+
+int run_pad(const input::Case& contact_case, SelectOptions options) {
+  auto& selection = options.selection;
+  selection.models = allowed_models(options.models, all_pad_models());
+  QuantityChoice without_axes = selection.demand.quantities;
+  for (const auto axis : {prediction::Quantity::a, prediction::Quantity::b})
+    without_axes[std::size_t(axis)] = false;
+  if (std::none_of(without_axes.begin(), without_axes.end(), [](bool wanted) { return wanted; }))
+    throw InputError("command line", "--quantities", options.demand.quantities,
+                     "indentation, area, peak_pressure, max_torque: a flat pad has no semi-axes");
+  const PadShape shape(std::get<input::PadPair>(contact_case.geometry).contact);
+  std::vector<judgement::Choice> choices;
+  std::string first_lines, tables;
+  for (std::size_t load = 0; load < contact_case.loads_N.size(); ++load) {
+    choices.push_back(
+        judgement::choose_pad_model(contact_case, shape, contact_case.loads_N[load], selection));
+    const PadWords words = words_of(choices.back(), contact_case, shape, load);
+    first_lines += words.answer;
+    tables += table(choices.back(), selection) + words.inputs;
+  }
+  const nlohmann::json result = selection_json(contact_case, options.demand.tolerance, choices);
+  if (options.write_page)
+    write_page(options.output, result,
+               report::render_selection(judgement::pad_selection_report(
+                   contact_case, selection, choices, options.command_line)));
+  if (options.json)
+    system::write_to_stdout(text::printed(result));
+  else
+    system::write_text_to_stdout(system::within_terminal(
+        first_lines + tables + "\n" + prediction::describe(contact_case) + "\n" +
+        prediction::describe(std::get<input::PadPair>(contact_case.geometry), contact_case.layer) +
+        "\n"));
+  return 0;
+}
+
 int run_select(SelectOptions options) {
   options.selection.demand = options.demand.demand();
   if (options.write_page && options.output.empty())
     throw InputError("command line", "--output", "\"\"", "the name of a folder");
   if (const auto file = scene_file(options.typed_case.file); !file.empty())
     return run_scene(file, options);
-  if (!options.models.empty()) options.selection.models = allowed_models(options.models);
   const input::Case contact_case = read_case(options.typed_case);
   input::require_coulomb(contact_case, "select");
+  if (std::holds_alternative<input::PadPair>(contact_case.geometry))
+    return run_pad(contact_case, options);
+  options.selection.models = allowed_models(options.models, all_pressure_models());
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   std::vector<judgement::LoadChoice> loads;
-  nlohmann::json choices = nlohmann::json::array();
   std::string first_lines, tables;
   for (const double load_N : contact_case.loads_N) {
     judgement::LoadChoice& load = loads.emplace_back();
@@ -275,7 +349,6 @@ int run_select(SelectOptions options) {
         judgement::resolve_or_advise(contact_case, resolver, load_N, options.selection.demand);
     load.problem = prediction::contact_problem(contact_case, load.geometry, load_N);
     load.choice = judgement::choose_model(contact_case, load.geometry, load_N, options.selection);
-    choices.push_back(to_json(load.choice));
     first_lines += answer_line(load.choice);
     tables += table(load.choice, options.selection);
     // For people only: it may take some tenths of a second.
@@ -284,13 +357,9 @@ int run_select(SelectOptions options) {
           "  " + advice(contact_case, resolver, load.geometry, load_N, options.selection.demand) +
           "\n";
   }
-  nlohmann::json results = nlohmann::json::array();
-  for (const judgement::LoadChoice& load : loads)
-    for (const nlohmann::json& one : judgement::results_json(load.choice)) results.push_back(one);
-  const nlohmann::json result = {{"case", contact_case.id},
-                                 {"tolerance", options.demand.tolerance},
-                                 {"choices", choices},
-                                 {"results", results}};
+  std::vector<judgement::Choice> choices;
+  for (const judgement::LoadChoice& load : loads) choices.push_back(load.choice);
+  const nlohmann::json result = selection_json(contact_case, options.demand.tolerance, choices);
   if (options.write_page) {
     const nlohmann::json report = judgement::selection_report(
         contact_case, resolver, options.selection, loads, options.command_line);
@@ -311,7 +380,7 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
   CLI::App* command = app.add_subcommand(
       "select",
       "The cheapest model whose stated error meets a tolerance, or a clear \"none\", and why");
-  add_case(*command, options->typed_case);
+  add_case(*command, options->typed_case, false, input::FlatPads::taken);
   add_demand(*command, options->demand);
   command
       ->add_option("--budget-us", options->selection.budget_us,
@@ -337,11 +406,13 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
       "Stated errors are bounds against the finger itself, curved and at finite strain, fitted to\n"
       "finite-element runs: 95 % of them lie inside. What the fit of a mesh leaves open is added.\n"
       "predict states the same ones. Models that take milliseconds are not asked.\n"
+      "A flat pad has models of its own, pad_layer and pad_uniform, and no semi-axes a and b.\n"
       "Samples:\n"
       "  softfinger select seed_thumb --tolerance 0.05\n"
       "  softfinger select silicone_pad_2mm --tolerance 0.05 --output my_choice\n"
       "  softfinger select silicone_pad_2mm --tolerance 0.02 --budget-us 5 --quantities "
       "max_torque\n"
+      "  softfinger select robotiq_like_pad --tolerance 0.03\n"
       "  softfinger select pinch --tolerance 0.02\n"
       "  softfinger select hertz_ratio_4 --tolerance 0.05 --models hertz,winkler --json");
   command->callback([options, output, &action] {

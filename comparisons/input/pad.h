@@ -42,8 +42,9 @@ struct PadPair {
   Eigen::Vector2d offset_m = Eigen::Vector2d::Zero();  ///< of the face in the pad's frame
   double angle_rad = 0;                                ///< of the face, counter-clockwise
   PadPressing pressing = PadPressing::stuck;
-  std::optional<Eigen::Vector2d> load_at_m;  ///< in the pad's frame; none: faces stay parallel
-  std::string load_at_where;                 ///< "file:line" of it
+  std::optional<Eigen::Vector2d> load_at_m;    ///< in the pad's frame; none: faces stay parallel
+  std::string load_at_where;                   ///< "file:line" of it
+  ConvexOutline pad = ConvexOutline::disc(1);  ///< the pad's flat face, in its own frame
   ConvexOutline contact = ConvexOutline::disc(1);  ///< the intersection, in the pad's frame
   /// Share of the pad's flat face that touches. Below 1 the object's edge presses into the pad.
   double covered = 1;

@@ -190,17 +190,16 @@ void read_face(const TomlReader& reader, const toml::table& geometry, PadPair& p
 
 /// Sets where pad and face touch.
 void intersect(const TomlReader& reader, const toml::table& geometry, PadPair& pair) {
-  pair.contact = *outline_of(pair.finger.figure, pair.finger.edge_radius_m);
-  const double whole_m2 = pair.contact.area_m2();
+  pair.pad = pair.contact = *outline_of(pair.finger.figure, pair.finger.edge_radius_m);
   if (pair.object.figure) {
     const ConvexOutline face =
         outline_of(*pair.object.figure, 0)->moved(pair.angle_rad, pair.offset_m);
-    const auto common = pair.contact.common_with(face);
+    const auto common = pair.pad.common_with(face);
     if (!common)
       reader.say(*geometry.get("object"),
                  "the object's face does not touch the pad: its offset_mm is larger than both");
     pair.contact = *common;
-    pair.covered = std::min(1.0, common->area_m2() / whole_m2);
+    pair.covered = std::min(1.0, common->area_m2() / pair.pad.area_m2());
   }
   if (pair.contact.least_width_m() < kThinnest * pair.contact.largest_width_m())
     reader.say(

@@ -155,6 +155,15 @@ PadAnswer ask_pad_model(const PadModel& model, const input::Case& contact_case,
   return answer;
 }
 
+double indentation_at_load_m(const PadAnswer& answer) {
+  const PadPrediction& p = answer.prediction;
+  if (!answer.problem.load_at_m) return p.indentation_m;
+  const Eigen::Vector2d from_middle_m =
+      *answer.problem.load_at_m - answer.problem.shape->outline().centroid_m();
+  // A turn about x makes the pad deeper along y.
+  return p.indentation_m + p.tilt_rad[1] * from_middle_m.x() + p.tilt_rad[0] * from_middle_m.y();
+}
+
 SampledPressure limit_surface_of(const PadAnswer& answer) {
   const auto samples = answer.model->slipping_pressure(answer.problem);
   const double area_m2 = answer.problem.shape->outline().area_m2() / double(samples.size());

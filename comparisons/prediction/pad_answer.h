@@ -45,6 +45,10 @@ PadAnswer ask_pad_model(const PadModel& model, const input::Case& contact_case,
                         const PadShape& shape, double load_N, const Demand& demand,
                         double budget_ns);
 
+/// Approach of the faces where the load acts, as finite elements have it; in the middle it is
+/// `indentation_m`.
+double indentation_at_load_m(const PadAnswer& answer);
+
 /// Exact limit surface of the pad by its sampled pressure at full slip.
 SampledPressure limit_surface_of(const PadAnswer& answer);
 

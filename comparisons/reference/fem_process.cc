@@ -14,24 +14,11 @@ namespace softfinger::reference {
 
 namespace {
 
-/// The line that a process writes for each of its problems.
-FemAnswer answer_of(const std::string& line) {
-  const nlohmann::json written = text::parse_json(line);
-  const bool failed = written.is_object() && written.contains("failure");
-  if (!failed) {
-    ReadReferenceResult read = read_reference_result(written);
-    if (read.result) return {std::move(read.result), "", 0};
-    return {std::nullopt, "softfinger-fem gave no result to believe: " + read.flaw, 3};
-  }
-  return failure_of(written);
-}
-
-}  // namespace
-
-FemAnswer failure_of(const system::ProcessOutcome& outcome, const FemLimits& limits) {
-  FemAnswer answer;
+/// The error of the problem that a process was at when it ended before its time.
+FemDocument failure_of(const system::ProcessOutcome& outcome, const FemLimits& limits) {
+  FemDocument answer;
   // Whatever else a crashed program returns, for the user the numerics failed.
-  answer.exit_status = outcome.exit_status == 2 ? 2 : 3;
+  answer.exit_status = outcome.exit_status == 2 ? 2 : kNotConverged;
   if (outcome.exceeded == system::ProcessLimit::time) {
     answer.failure = fmt::format("softfinger-fem was ended after {:g} s, its limit (--fem-time-s)",
                                  limits.time_s);
@@ -54,14 +41,22 @@ FemAnswer failure_of(const system::ProcessOutcome& outcome, const FemLimits& lim
   return answer;
 }
 
-FemAnswer failure_of(const nlohmann::json& written) {
-  FemAnswer answer;
-  answer.failure = written.value("failure", "");
+/// The line that a process writes for each of its problems: a result, or its error under the key
+/// "failure".
+FemDocument document_of(const std::string& line) {
+  FemDocument answer;
+  answer.document = text::parse_json(line);
+  if (!answer.document.is_object() || !answer.document.contains("failure")) return answer;
+  answer.failure = answer.document.value("failure", "");
   if (answer.failure.rfind("error: ", 0) == 0) answer.failure.erase(0, std::strlen("error: "));
-  answer.exit_status = written.value("exit_status", 3);
+  answer.exit_status = answer.document.value("exit_status", kNotConverged);
+  answer.document = nullptr;
   return answer;
 }
 
+/// A line of progress such as "fem: 2/3: text", which is about the second of three problems.
+/// @param problem  index of the first problem of the process; becomes that of the line's own
+/// @returns the text
 std::string text_of(const std::string& line, std::size_t& problem) {
   std::size_t number = 0;
   int length = 0;
@@ -71,6 +66,7 @@ std::string text_of(const std::string& line, std::size_t& problem) {
   return line.substr(static_cast<std::size_t>(length));
 }
 
+/// The process that takes an array of problems, one line each as the answer.
 system::ProcessJob fem_job(const std::string& program, const nlohmann::json& problems,
                            bool single_thread, const FemLimits& limits) {
   system::ProcessJob job;
@@ -86,8 +82,36 @@ system::ProcessJob fem_job(const std::string& program, const nlohmann::json& pro
   return job;
 }
 
+FemAnswer answer_of(FemDocument given) {
+  if (!given.failure.empty()) return {std::nullopt, given.failure, given.exit_status};
+  ReadReferenceResult read = read_reference_result(given.document);
+  if (read.result) return {std::move(read.result), "", 0};
+  return {std::nullopt, "softfinger-fem gave no result to believe: " + read.flaw, kNotConverged};
+}
+
+}  // namespace
+
 int run_fem(const std::string& program, const std::vector<FemBatch>& batches, int parallel,
             const FemCallbacks& callbacks, system::OnInterrupt on_interrupt) {
+  std::vector<FemDocuments> documents;
+  for (const FemBatch& batch : batches) {
+    documents.push_back({{}, batch.single_thread, batch.limits});
+    for (const FemProblem& problem : batch.problems) {
+      nlohmann::json& input = documents.back().problems.emplace_back(process_input(problem));
+      if (const auto hint = size_hint_m(problem)) input["size_hint_m"] = *hint;
+    }
+  }
+  FemDocumentCallbacks of_documents;
+  of_documents.on_line = callbacks.on_line;
+  of_documents.on_answer = [&](FemIndex index, FemDocument given) {
+    callbacks.on_answer(index, answer_of(std::move(given)));
+  };
+  return run_fem_documents(program, documents, parallel, of_documents, on_interrupt);
+}
+
+int run_fem_documents(const std::string& program, const std::vector<FemDocuments>& batches,
+                      int parallel, const FemDocumentCallbacks& callbacks,
+                      system::OnInterrupt on_interrupt) {
   std::vector<std::size_t> answered(batches.size(), 0);
   // A crash ends its process: the problems behind it go to a new one.
   while (true) {
@@ -96,17 +120,14 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
     for (std::size_t batch = 0; batch < batches.size(); ++batch) {
       const auto& problems = batches[batch].problems;
       if (answered[batch] == problems.size()) continue;
-      nlohmann::json left = nlohmann::json::array();
-      for (std::size_t i = answered[batch]; i < problems.size(); ++i) {
-        left.push_back(process_input(problems[i]));
-        if (const auto hint = size_hint_m(problems[i])) left.back()["size_hint_m"] = *hint;
-      }
+      const nlohmann::json left(std::vector<nlohmann::json>(
+          problems.begin() + std::ptrdiff_t(answered[batch]), problems.end()));
       jobs.push_back(fem_job(program, left, batches[batch].single_thread, batches[batch].limits));
       batch_of.push_back(batch);
       first.push_back(answered[batch]);
     }
     if (jobs.empty()) return 0;
-    const auto answer = [&](std::size_t job, FemAnswer given) {
+    const auto answer = [&](std::size_t job, FemDocument given) {
       const std::size_t batch = batch_of[job];
       if (answered[batch] == batches[batch].problems.size()) return;  // nobody asked
       callbacks.on_answer({batch, answered[batch]++}, std::move(given));
@@ -119,7 +140,7 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
       if (index.problem < batches[index.batch].problems.size()) callbacks.on_line(index, text);
     };
     processes.on_output = [&](std::size_t job, const std::string& line) {
-      answer(job, answer_of(line));
+      answer(job, document_of(line));
     };
     processes.on_finish = [&](std::size_t job, const system::ProcessOutcome& outcome) {
       // Interrupted, it leaves out what it has not begun.

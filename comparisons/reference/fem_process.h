@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,9 @@
 /// The finite-element program as seen from here: a process that takes problems and gives a result
 /// for each, all JSON (fem/README.md).
 namespace softfinger::reference {
+
+/// Exit status for numerics that failed, and for a program that wrote no sensible answer.
+constexpr int kNotConverged = 3;
 
 /// Limits of each problem. The defaults are far above what any contact of the suite needs.
 struct FemLimits {
@@ -54,17 +58,29 @@ int run_fem(const std::string& program, const std::vector<FemBatch>& batches, in
             const FemCallbacks& callbacks,
             system::OnInterrupt on_interrupt = system::OnInterrupt::stop);
 
-/// The process that takes an array of problems, one line each as the answer.
-system::ProcessJob fem_job(const std::string& program, const nlohmann::json& problems,
-                           bool single_thread, const FemLimits& limits);
-/// The error of the problem that a process was at when it ended before its time.
-FemAnswer failure_of(const system::ProcessOutcome& outcome, const FemLimits& limits);
-/// The error that a process wrote in place of a result, under the key "failure".
-FemAnswer failure_of(const nlohmann::json& written);
-/// A line of progress such as "fem: 2/3: text", which is about the second of three problems.
-/// @param problem  index of the first problem of the process; becomes that of the line's own
-/// @returns the text
-std::string text_of(const std::string& line, std::size_t& problem);
+/// A batch as the process reads it, whatever its problems are of: fingers or pads.
+struct FemDocuments {
+  std::vector<nlohmann::json> problems;
+  bool single_thread = true;
+  FemLimits limits;
+};
+
+/// The process's answer as it wrote it, or in one line why there is none.
+struct FemDocument {
+  nlohmann::json document;
+  std::string failure;
+  int exit_status = 0;  ///< as in `FemAnswer`
+};
+
+struct FemDocumentCallbacks {
+  std::function<void(FemIndex, const std::string& line)> on_line = [](auto, const auto&) {};
+  std::function<void(FemIndex, FemDocument)> on_answer = [](auto, auto&&) {};
+};
+
+/// `run_fem` for documents, which nobody has read yet.
+int run_fem_documents(const std::string& program, const std::vector<FemDocuments>& batches,
+                      int parallel, const FemDocumentCallbacks& callbacks,
+                      system::OnInterrupt on_interrupt = system::OnInterrupt::stop);
 
 /// "seed_thumb_5N": the name of the folder of a result.
 std::string load_folder(const std::string& case_id, double load_N);

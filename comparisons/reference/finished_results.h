@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -31,6 +32,20 @@ FinishedResult parse_finished_result(const std::string& text, const std::string&
 /// Reads a file with a finished result; one that does not exist is no flaw.
 FinishedResult read_finished_result(const std::filesystem::path& file, const std::string& program,
                                     const nlohmann::json& problem);
+
+/// A finished document of which only `flaw_of` knows what it should be.
+struct FinishedDocument {
+  nlohmann::json result;  ///< null: none
+  std::string flaw;
+};
+/// @param flaw_of  why the document is not to be believed; empty: it is
+using FlawOf = std::function<std::string(const nlohmann::json& result)>;
+FinishedDocument read_finished_document(const std::filesystem::path& file,
+                                        const std::string& program, const nlohmann::json& problem,
+                                        const FlawOf& flaw_of);
+/// @throws InputError
+void write_finished_document(const std::filesystem::path& file, const std::string& program,
+                             const nlohmann::json& problem, const nlohmann::json& result);
 
 /// The content of such a file.
 /// @param result  as the program wrote it

@@ -1,11 +1,16 @@
 #include "comparisons/reference/pad_elements.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
 #include <variant>
 
-#include "comparisons/text/json_text.h"
+#include "comparisons/reference/finished_results.h"
+#include "comparisons/reference/reference_result.h"
+#include "comparisons/text/percent.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::reference {
@@ -45,10 +50,12 @@ class Numbers {
   explicit Numbers(const json& object) : object_(object) {}
 
   double operator()(const char* key) { return checked(object_.value(key, json()), key); }
-  std::array<double, 2> pair(const char* key) {
+  /// For what others are divided by.
+  double positive(const char* key) { return checked_positive(object_.value(key, json()), key); }
+  std::array<double, 2> positive_pair(const char* key) {
     const json both = object_.value(key, json());
     if (!both.is_array() || both.size() != 2) return {checked({}, key), 0};
-    return {checked(both[0], key), checked(both[1], key)};
+    return {checked_positive(both[0], key), checked_positive(both[1], key)};
   }
   std::array<std::optional<double>, 2> pair_or_none(const char* key) {
     std::array<std::optional<double>, 2> result;
@@ -58,6 +65,13 @@ class Numbers {
         if (!both[i].is_null()) result[i] = checked(both[i], key);
     return result;
   }
+  std::vector<double> list(const char* key) {
+    const json all = object_.value(key, json());
+    std::vector<double> numbers;
+    if (!all.is_array()) checked({}, key);
+    for (const json& one : all) numbers.push_back(checked(one, key));
+    return numbers;
+  }
   const std::string& flaw() const { return flaw_; }
 
  private:
@@ -66,45 +80,137 @@ class Numbers {
     if (flaw_.empty()) flaw_ = std::string(key) + " is not a finite number";
     return 0;
   }
+  double checked_positive(const json& value, const char* key) {
+    const double number = checked(value, key);
+    if (flaw_.empty() && !(number > 0)) flaw_ = std::string(key) + " is not positive";
+    return number;
+  }
 
   const json& object_;
   std::string flaw_;
 };
 
-/// @param flaw  receives why the result is not to be believed; empty: it is
-PadElements read_result(const json& written, std::string& flaw) {
-  PadElements pad;
-  if (!written.is_object()) {
-    flaw = "it is no object";
-    return pad;
+json object_under(const json& object, const char* key) {
+  const auto found = object.find(key);
+  return found != object.end() && found->is_object() ? *found : json::object();
+}
+
+/// A number, or the largest of a pair.
+std::optional<double> stated_error(const json& errors, const char* key) {
+  const json value = errors.value(key, json());
+  std::optional<double> largest;
+  for (const json& one : value.is_array() ? value : json::array({value})) {
+    if (!one.is_number() || !std::isfinite(one.get<double>())) return std::nullopt;
+    largest = std::max(largest.value_or(0), one.get<double>());
   }
-  Numbers number(written);
-  const bool is_stuck = written.value("pressing", "") == "stuck";
-  pad.load_N = number("load_N");
-  pad.indentation_m = number("indentation_m");
-  pad.normal_stiffness_N_per_m = number("normal_stiffness_N_per_m");
-  pad.area_m2 = number("area_m2");
-  pad.peak_pressure_Pa = number("peak_pressure_inside_Pa");
-  pad.pressure_arm_m = number("pressure_arm_m");
-  pad.eccentricity_m = number("eccentricity_m");
-  pad.max_torque_Nm = number("max_torque_Nm");
-  pad.torsional_stiffness_Nm_per_rad = number("torsional_stiffness_Nm_per_rad");
-  pad.lifted_share = number("lifted_share");
-  pad.tilt_stiffness_Nm_per_rad = number.pair(is_stuck ? "tilt_stiffness_free_to_slide_Nm_per_rad"
-                                                       : "tilt_stiffness_Nm_per_rad");
-  pad.tilt_limit_Nm =
-      number.pair_or_none(is_stuck ? "tilt_limit_free_to_slide_Nm" : "tilt_limit_Nm");
-  pad.tangential_stiffness_N_per_m = number.pair("shear_stiffness_N_per_m");
-  pad.unknowns = number("unknowns");
-  pad.wall_s = number("wall_s");
-  pad.peak_memory_MB = number("peak_memory_MB");
-  pad.error = written.value("error", json::object());
-  pad.limit_surface = written.value("limit_surface", json::array());
-  flaw = number.flaw();
-  return pad;
+  return largest;
+}
+
+PadElementErrors errors_of(const json& stated, bool is_stuck) {
+  return {stated_error(stated, "indentation"),
+          stated_error(stated, "normal_stiffness"),
+          stated_error(stated, "peak_pressure_inside"),
+          stated_error(stated, "pressure_arm"),
+          stated_error(stated, "max_torque"),
+          stated_error(stated, is_stuck ? "tilt_stiffness_free_to_slide" : "tilt_stiffness")};
+}
+
+PadSolution solution_of(FemDocument given) {
+  if (!given.failure.empty()) return {std::nullopt, given.failure, given.exit_status};
+  ReadPadElements read = read_pad_elements(given.document);
+  if (read.elements) return {std::move(read.elements), "", 0};
+  return {std::nullopt, "softfinger-fem gave no result to believe: " + read.flaw, kNotConverged};
+}
+
+std::string outcome_of(const PadSolution& solution) {
+  if (!solution.elements) return "FEM failed: " + solution.failure;
+  const PadElements& pad = *solution.elements;
+  return fmt::format("{:.0f} unknowns, torque ±{}, {:.1f} s", pad.unknowns,
+                     text::percent(pad.error.max_torque.value_or(kNaN)), pad.wall_s);
 }
 
 }  // namespace
+
+ReadPadElements read_pad_elements(const json& document) {
+  if (!document.is_object()) return {std::nullopt, "it is no object"};
+  Numbers number(document);
+  PadElements pad;
+  const bool is_stuck = document.value("pressing", json()) == "stuck";
+  pad.load_N = number.positive("load_N");
+  pad.indentation_m = number.positive("indentation_m");
+  pad.normal_stiffness_N_per_m = number.positive("normal_stiffness_N_per_m");
+  pad.area_m2 = number.positive("area_m2");
+  pad.peak_pressure_Pa = number.positive("peak_pressure_inside_Pa");
+  pad.pressure_arm_m = number.positive("pressure_arm_m");
+  pad.eccentricity_m = number.positive("eccentricity_m");
+  pad.max_torque_Nm = number.positive("max_torque_Nm");
+  pad.torsional_stiffness_Nm_per_rad = number("torsional_stiffness_Nm_per_rad");
+  pad.lifted_share = number("lifted_share");
+  pad.tilt_stiffness_Nm_per_rad = number.positive_pair(
+      is_stuck ? "tilt_stiffness_free_to_slide_Nm_per_rad" : "tilt_stiffness_Nm_per_rad");
+  pad.tilt_limit_Nm =
+      number.pair_or_none(is_stuck ? "tilt_limit_free_to_slide_Nm" : "tilt_limit_Nm");
+  pad.tangential_stiffness_N_per_m = number.positive_pair("shear_stiffness_N_per_m");
+  pad.unknowns = number("unknowns");
+  pad.wall_s = number("wall_s");
+  pad.peak_memory_MB = number("peak_memory_MB");
+  const json pressure = object_under(document, "pressure");
+  Numbers sample(pressure);
+  pad.pressure = {sample.list("x_m"), sample.list("y_m"), sample.list("pressure_Pa")};
+  const std::size_t samples = pad.pressure.x_m.size();
+  if (!number.flaw().empty()) return {std::nullopt, number.flaw()};
+  if (!sample.flaw().empty()) return {std::nullopt, "pressure: " + sample.flaw()};
+  if (pad.pressure.y_m.size() != samples || pad.pressure.pressure_Pa.size() != samples)
+    return {std::nullopt, "pressure: places and pressures are not of the same number"};
+  pad.error = errors_of(object_under(document, "error"), is_stuck);
+  pad.document = document;
+  return {std::move(pad), ""};
+}
+
+bool is_trusted(const PadElements& elements) {
+  const auto is_within = [](const std::optional<double>& error) {
+    return error && *error <= kTrustLimits.indentation_and_torque;
+  };
+  return is_within(elements.error.indentation) && is_within(elements.error.max_torque);
+}
+
+json to_json(const PadElements& pad, const input::Case& contact_case) {
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  json points = json::array(), limits = json::array();
+  for (const Eigen::Vector2d& vertex : pair.contact.vertices_m())
+    points.push_back(pair_json(vertex));
+  for (const auto& limit : pad.tilt_limit_Nm) limits.push_back(limit ? json(*limit) : json());
+  json result = {{"load_N", pad.load_N},
+                 {"model", "fem"},
+                 {"contact", "patch"},
+                 {"a_m", nullptr},
+                 {"b_m", nullptr},
+                 {"axis_rad", nullptr},
+                 {"area_m2", pad.area_m2 * (1 - pad.lifted_share)},
+                 {"outline_m", points},
+                 {"geometry", "flat"},
+                 {"kinematics", "linear"},
+                 {"pressing", pair.pressing == PadPressing::stuck ? "stuck" : "frictionless"},
+                 {"indentation_m", pad.indentation_m},
+                 {"normal_stiffness_N_per_m", pad.normal_stiffness_N_per_m},
+                 {"peak_pressure_Pa", pad.peak_pressure_Pa},
+                 {"pressure_arm_m", pad.pressure_arm_m},
+                 {"eccentricity_m", pad.eccentricity_m},
+                 {"max_force_N", contact_case.shear_law.friction_coefficient * pad.load_N},
+                 {"max_torque_Nm", pad.max_torque_Nm},
+                 {"tilt_limit_Nm", limits},
+                 {"tilt_stiffness_Nm_per_rad", pad.tilt_stiffness_Nm_per_rad},
+                 {"torsional_stiffness_Nm_per_rad", pad.torsional_stiffness_Nm_per_rad},
+                 {"tangential_stiffness_N_per_m", pad.tangential_stiffness_N_per_m},
+                 {"lifted_share", pad.lifted_share},
+                 {"error", object_under(pad.document, "error")},
+                 {"unknowns", pad.unknowns},
+                 {"wall_s", pad.wall_s},
+                 {"peak_memory_MB", pad.peak_memory_MB}};
+  if (const auto surface = pad.document.find("limit_surface"); surface != pad.document.end())
+    result["limit_surface"] = *surface;
+  return result;
+}
 
 json pad_problem(const input::Case& contact_case, double load_N, int level, int limit_surface) {
   const auto& pair = std::get<input::PadPair>(contact_case.geometry);
@@ -129,37 +235,105 @@ json pad_problem(const input::Case& contact_case, double load_N, int level, int 
           {"level", level}};
 }
 
-PadRun solve_pads(const std::string& program, const std::vector<json>& problems,
-                  const FemLimits& limits,
-                  const std::function<void(std::size_t, const std::string&)>& on_line) {
-  PadRun run;
-  system::ProcessCallbacks callbacks;
-  callbacks.on_line = [&](std::size_t, const std::string& line) {
-    std::size_t problem = 0;
-    const std::string text = text_of(line, problem);
-    if (problem < problems.size()) on_line(problem, text);
+std::optional<std::string> elements_remark(const input::Case& contact_case) {
+  if (!(std::get<input::PadPair>(contact_case.geometry).finger.edge_radius_m > 0)) return {};
+  return "edge_radius_mm: the elements' block has the outline of the flat face, without the fillet "
+         "around it";
+}
+
+std::optional<std::string> elements_refusal(const input::Case& contact_case) {
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  constexpr std::size_t kMostCorners = 12;
+  constexpr double kInside = 0.05;  // of the thickness
+  for (const input::FlatFigure* figure :
+       {&pair.finger.figure, pair.object.figure ? &*pair.object.figure : nullptr})
+    if (const auto* outline = figure ? std::get_if<input::OutlineFigure>(figure) : nullptr;
+        outline && outline->points_m.size() > kMostCorners)
+      return "the elements take outlines of at most 12 corners";
+  if (pair.covered == 1) return std::nullopt;
+  const auto inner = pair.pad.shrunk(kInside * contact_case.layer.thickness_m);
+  const auto& corners = pair.contact.vertices_m();
+  const bool is_inside = inner && std::all_of(corners.begin(), corners.end(),
+                                              [&](const auto& at) { return inner->contains(at); });
+  if (is_inside) return std::nullopt;
+  return "the elements take no face whose edge crosses the pad's outline, or comes nearer to it "
+         "than "
+         "a twentieth of the thickness";
+}
+
+double expected_pad_s(const input::Case& contact_case) {
+  // Measured on discs, rectangles and smaller faces, by level; a quarter is meshed where pad and
+  // face have two planes of symmetry.
+  constexpr std::array<double, 3> kQuarter_s = {0.7, 2.3, 11}, kPolygon_s = {1.5, 5, 25},
+                                  kSmallerFace_s = {2.3, 25, 120};
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  const auto level = std::size_t(contact_case.fem_level - 1);
+  const auto is_polygon = [](const input::FlatFigure& figure) {
+    return std::holds_alternative<input::OutlineFigure>(figure);
   };
-  callbacks.on_output = [&](std::size_t, const std::string& line) {
-    if (!run.failure.failure.empty() || run.of_load.size() == problems.size()) return;
-    const json written = text::parse_json(line);
-    if (written.is_object() && written.contains("failure")) {
-      run.failure = failure_of(written);
-      return;
+  const bool has_face = pair.object.figure && pair.covered < 1;
+  const bool is_centred = pair.offset_m.isZero() && pair.angle_rad == 0;
+  if (has_face && (!is_centred || is_polygon(*pair.object.figure))) return kSmallerFace_s[level];
+  return is_polygon(pair.finger.figure) ? kPolygon_s[level] : kQuarter_s[level];
+}
+
+int run_pads(const std::string& program, const std::vector<FemDocuments>& batches, int parallel,
+             const PadCallbacks& callbacks) {
+  FemDocumentCallbacks of_documents;
+  of_documents.on_line = callbacks.on_line;
+  of_documents.on_answer = [&](FemIndex index, FemDocument given) {
+    callbacks.on_solution(index, solution_of(std::move(given)));
+  };
+  return run_fem_documents(program, batches, parallel, of_documents);
+}
+
+int run_pad_jobs(const std::vector<PadJob>& jobs, const FemJobOptions& options,
+                 system::Progress& progress,
+                 const std::function<void(const PadJob&, PadSolution)>& on_solution) {
+  std::vector<FemDocuments> batches;
+  std::vector<std::vector<const PadJob*>> jobs_of;  // per batch
+  std::size_t done = 0;
+  for (const PadJob& job : jobs) {
+    ReadPadElements read;
+    const FinishedDocument finished =
+        read_finished_document(job.file, options.identity, job.problem, [&](const json& result) {
+          read = read_pad_elements(result);
+          return read.flaw;
+        });
+    if (!finished.result.is_null()) {
+      progress.say(fmt::format("[{}/{}] {}: reused", ++done, jobs.size(), job.title));
+      on_solution(job, {std::move(read.elements), "", 0});
+      continue;
     }
-    std::string flaw;
-    PadElements pad = read_result(written, flaw);
-    if (flaw.empty())
-      run.of_load.push_back(std::move(pad));
-    else
-      run.failure = {std::nullopt, "softfinger-fem gave no result to believe: " + flaw, 3};
+    if (!finished.flaw.empty())
+      progress.say(fmt::format("softfinger: {}: made again, it cannot be used: {}",
+                               job.file.string(), finished.flaw));
+    // It answers another problem, and must not be taken for this job's result.
+    std::error_code ignored;
+    std::filesystem::remove(job.file, ignored);
+    if (batches.empty() || jobs_of.back().back()->group != job.group) {
+      batches.push_back({{}, options.single_thread, options.limits});
+      jobs_of.emplace_back();
+    }
+    batches.back().problems.push_back(job.problem);
+    jobs_of.back().push_back(&job);
+  }
+  const auto job_at = [&](FemIndex index) -> const PadJob& {
+    return *jobs_of[index.batch][index.problem];
   };
-  callbacks.on_finish = [&](std::size_t, const system::ProcessOutcome& outcome) {
-    if (run.failure.failure.empty() && run.of_load.size() < problems.size())
-      run.failure = failure_of(outcome, limits);
+  PadCallbacks callbacks;
+  callbacks.on_line = [&](FemIndex index, const std::string& line) {
+    progress.show(fmt::format("[{}/{}] {}: {}", done, jobs.size(), job_at(index).title, line));
   };
-  run.interrupted = system::run_processes({fem_job(program, json(problems), false, limits)}, 1,
-                                          callbacks, system::OnInterrupt::stop);
-  return run;
+  callbacks.on_solution = [&](FemIndex index, PadSolution solution) {
+    const PadJob& job = job_at(index);
+    if (solution.elements)
+      write_finished_document(job.file, options.identity, job.problem, solution.elements->document);
+    progress.say(
+        fmt::format("[{}/{}] {}: {}", ++done, jobs.size(), job.title, outcome_of(solution)));
+    on_solution(job, std::move(solution));
+  };
+  return run_pads(options.program, batches, options.parallel, callbacks);
 }
 
 }  // namespace softfinger::reference

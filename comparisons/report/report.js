@@ -186,6 +186,84 @@
     });
   }
 
+  // The pressure of a flat pad's elements, in bands; the last one holds what is singular at the rim.
+  function drawPadMap(width, {load, data}) {
+    const pressure = load.fem?.pressure;
+    if (!pressure?.x.length || !data.outline?.length) return null;
+    const points = pressure.x.map((x, i) => ({x: 1e3 * x, y: 1e3 * pressure.y[i], p: 1e-3 * pressure.p[i]}));
+    const closed = (outline) => [...outline, outline[0]].map(([x, y]) => ({x: 1e3 * x, y: 1e3 * y}));
+    const outline = closed(data.outline), pad = closed(data.pad_outline);
+    const frameOptions = base(width, Math.min(360, Math.max(260, 0.66 * width)));
+    const [low, high] = ["x", "y"].map((axis) => d3.extent(pad, (p) => p[axis])).reduce(([l, h], [a, b]) => [[...l, a], [...h, b]], [[], []]);
+    const inner = [
+      width - frameOptions.marginLeft - frameOptions.marginRight,
+      frameOptions.height - frameOptions.marginTop - frameOptions.marginBottom,
+    ];
+    const pixelsPerMm = 0.94 * Math.min(inner[0] / (high[0] - low[0]), inner[1] / (high[1] - low[1]));
+    const domain = [0, 1].map((k) => {
+      const middle = (low[k] + high[k]) / 2, half = inner[k] / (2 * pixelsPerMm);
+      return [middle - half, middle + half];
+    });
+    const centre = d3.polygonCentroid(outline.map((p) => [p.x, p.y]));
+    const bands = d3.ticks(0, 1e-3 * load.fem.peak_pressure_Pa, 6);
+    const colour = (k) => d3.interpolateYlGnBu(0.12 + 0.8 * k / Math.max(1, bands.length - 1));
+    const across = (k) => d3.extent(outline, (p) => p["xy"[k]]);
+    const picture = plot({
+      ...frameOptions,
+      x: {domain: domain[0], label: "x, mm →", ticks: width < 480 ? 5 : 7},
+      y: {domain: domain[1], label: "↑ y, mm", ticks: 5},
+      color: {type: "threshold", domain: bands.slice(1), range: bands.map((_, k) => colour(k))},
+      marks: [
+        Plot.contour(points, {x: "x", y: "y", fill: "p", interpolate: "barycentric", thresholds: bands, pixelSize: 2, stroke: "none"}),
+        // The bands go on beyond the outline: what lies outside is covered.
+        (_, scales, __, dimensions) => {
+          const ring = (corners) => `M${corners.map((p) => `${scales.x(p.x)},${scales.y(p.y)}`).join("L")}Z`;
+          const {width: w, height: h, marginLeft: l, marginRight: r, marginTop: t, marginBottom: b} = dimensions;
+          return d3.create("svg:path").attr("class", "outside").attr("fill", "var(--page)").attr("fill-rule", "evenodd")
+            .attr("d", `M${l - 1},${t - 1}H${w - r + 2}V${h - b + 2}H${l - 1}Z${ring(outline)}`).node();
+        },
+        Plot.line(pad, {x: "x", y: "y", curve: "linear", stroke: "var(--muted)", strokeWidth: 1}),
+        Plot.line(outline, {x: "x", y: "y", curve: "linear", stroke: "var(--fem)", strokeWidth: 2}),
+        Plot.link([0], {x1: across(0)[0], x2: across(0)[1], y1: centre[1], y2: centre[1], stroke: "#888", strokeDasharray: "4 3"}),
+        Plot.link([0], {x1: centre[0], x2: centre[0], y1: across(1)[0], y2: across(1)[1], stroke: "#888", strokeDasharray: "4 3"}),
+        tip(points.map((p) => ({...p, title: () => `x ${number(p.x)} mm\ny ${number(p.y)} mm\n${number(p.p)} kPa`}))),
+      ],
+    });
+    return stacked(picture, legend(bands.map((from, k) => ({
+      label: k + 1 < bands.length ? `${number(from)} to ${number(bands[k + 1])} kPa` : `more than ${number(from)} kPa`, colour: colour(k),
+    }))));
+  }
+
+  function drawPadPressure(width, {load}) {
+    const drawn = entries(load).filter((e) => e.profile_x?.x.length || e.profile_y?.x.length);
+    if (!drawn.length) return null;
+    const points = (e, axis) => (e[`profile_${axis}`]?.x ?? []).map((x, i) => ({
+      x: 1e3 * x, y: 1e-3 * e[`profile_${axis}`].p[i],
+      title: () => `${e.style.label}\n${axis} ${number(1e3 * x)} mm from the middle\n${number(1e-3 * e[`profile_${axis}`].p[i])} kPa`,
+    }));
+    const top = 1.25e-3 * d3.max(drawn, (e) => e.peak_pressure_Pa);
+    const panel = (axis, panelWidth) => {
+      const curves = drawn.map((e) => points(e, axis));
+      const [from, to] = d3.extent(curves.flat(), (p) => p.x);
+      const room = 0.04 * (to - from);
+      return plot({
+        ...base(panelWidth, 320), ...besideTicks(top),
+        x: {domain: [from - room, to + room], label: `along ${axis}, mm →`, ticks: panelWidth < 240 ? 3 : 5},
+        y: {domain: [0, top], label: axis === "x" ? "↑ pressure, kPa" : null, ticks: 5},
+        marks: [
+          Plot.ruleY([0], {strokeOpacity: 0.4}),
+          ...drawn.map((e, i) => e.model === "fem" ? null : Plot.line(curves[i], {...lineOptions(e, i, drawn.length), clip: true})),
+          ...drawn.map((e, i) => e.model === "fem" ? Plot.line(curves[i], {...DOTS, x: "x", y: "y", stroke: e.style.colour, strokeWidth: 4.6, clip: true}) : null),
+          tip(curves.flat().filter((p) => p.y >= 0 && p.y <= top)),
+        ],
+      });
+    };
+    const pair = document.createElement("div");
+    pair.className = "pair";
+    pair.append(panel("x", width / 2), panel("y", width / 2));
+    return pair;
+  }
+
   // Every prediction that can be compared, once for both charts of the overview.
   const predictions = report.cases.flatMap((c) => c.loads.flatMap((load) =>
     entries(load).map((e) => ({case: c, load, entry: e}))));
@@ -260,6 +338,6 @@
     return stacked(picture, legend(labels));
   }
 
-  Charts.start({cost: drawCost, map: drawMap, ellipse: drawEllipse, pressure: drawPressure, torque: drawTorque, ellipsoid: drawEllipsoid},
-    report.cases);
+  Charts.start({cost: drawCost, map: drawMap, ellipse: drawEllipse, pressure: drawPressure, torque: drawTorque, ellipsoid: drawEllipsoid, padmap: drawPadMap, padpressure: drawPadPressure},
+    [...report.cases, ...report.pads]);
 })();

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "comparisons/exporting/simulator.h"
@@ -18,6 +19,7 @@
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/experiments_page.h"
 #include "comparisons/report/html.h"
+#include "comparisons/report/pad_section.h"
 #include "comparisons/report/page.h"
 #include "comparisons/report/report_json.h"
 #include "comparisons/report/style.h"
@@ -300,7 +302,15 @@ Html simulator_table(const Json& report) {
          rows + "</tbody></table></div>\n";
 }
 
-Html how_to_read(const Json& report) {
+Html how_to_read(const Json& report, const Json& pads) {
+  const Html of_pads =
+      pads.empty()
+          ? ""
+          : Html(
+                "<li>A flat pad touches where pad and face overlap: it has no semi-axes, and its "
+                "area is known. A model is called usable there where the maximal torque is within "
+                "the tolerance and the model states a bound. The reference is the whole pad with "
+                "its free sides, in linear theory.</li>\n");
   return html(
       R"(<h2 id="reading">How to read this page</h2>
 <ul>
@@ -310,9 +320,9 @@ Html how_to_read(const Json& report) {
 <li>± behind an FEM value is the error that it states itself, from its last two meshes. A smaller difference says nothing about a model.</li>
 <li>“Outside its range” means that another assumption of the model fails, or one that this reference shares. A small error there can be a coincidence, where the error changes its sign. Such agreement does not make the model usable.</li>
 <li>e<sub>n</sub> is the maximal torque divided by μP. The <i>exact</i> torque integrates μ p r over the ellipse; the <i>paper</i> rule takes the circle of the same area and is lower for long contacts.</li>
-</ul>
+{}</ul>
 )",
-      plain(tolerance(report), 100) + " %");
+      plain(tolerance(report), 100) + " %", of_pads);
 }
 
 Html model_cards(const Json& report) {
@@ -357,8 +367,12 @@ Html case_filter(const Json& report) {
          "placeholder=\"e.g. seed, silicone, partly\"></label></p>\n";
 }
 
-Html report_body(const Json& report, const Cases& cases) {
-  const Html simulator = simulator_table(report), cards = model_cards(report);
+/// @param report  of the curved contacts
+/// @param pads    the cases with a flat pad, which have sections of their own
+Html report_body(const Json& report, const Json& pads, const Cases& cases) {
+  Json all = {{"cases", child(report, "cases")}};
+  all["cases"].insert(all["cases"].end(), pads.begin(), pads.end());
+  const Html simulator = simulator_table(all), cards = model_cards(report);
   const Html speed = speed_accuracy_section(report);
   const Html finite_strain = finite_strain_section(report);
   const Html experiments = experiments_section(report);
@@ -367,7 +381,7 @@ Html report_body(const Json& report, const Cases& cases) {
       "<header><h1>Soft-finger contact: which model holds?</h1>\n"
       "<p class=\"subtitle\">Contact ellipses and frictional torques of fast models, compared with "
       "finite elements</p>\n" +
-      summary(report, cases) +
+      (cases.empty() && !pads.empty() ? Html("") : summary(report, cases)) + pads_summary(pads) +
       "<nav><a href=\"#overview\">Overview</a> <a href=\"#cases\">Cases</a> " +
       (simulator.empty() ? Html("") : "<a href=\"#simulator\">For a simulator</a> ") +
       (atlas
@@ -378,27 +392,36 @@ Html report_body(const Json& report, const Cases& cases) {
       "<a href=\"#reading\">How to read</a> " +
       (cards.empty() ? Html("") : "<a href=\"#models\">Models</a> ") +
       "<a href=\"#provenance\">Provenance</a></nav></header>\n";
-  out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(report) +
-         overview_table(report, cases) + overview_charts() + usability_table(report, cases) +
-         "<h2 id=\"cases\">Case by case</h2>\n";
+  out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(all);
+  if (!cases.empty() || pads.empty())
+    out += overview_table(report, cases) + overview_charts() + usability_table(report, cases);
+  out += pads_overview(report, pads) + "<h2 id=\"cases\">Case by case</h2>\n";
   for (std::size_t i = 0; i < cases.size(); ++i)
     out += case_section(report, child(report, "cases")[i], cases[i]);
+  for (const Json& pad : pads) out += pad_section(report, pad);
   return out + simulator + speed + validity_map_section(report) + error_causes_section(report) +
-         finite_strain + experiments + how_to_read(report) + cards + provenance(report);
+         finite_strain + experiments + how_to_read(report, pads) + cards + provenance(report);
 }
 
 }  // namespace
 
 std::string render_report(const nlohmann::json& report, const Cases& cases) {
-  if (!child(report, "cases").is_array() || child(report, "cases").size() != cases.size())
+  Json curved = report, pads = Json::array();
+  if (child(report, "cases").is_array()) {
+    curved["cases"] = Json::array();
+    for (const Json& one : report["cases"]) (is_pad(one) ? pads : curved["cases"]).push_back(one);
+  }
+  if (!child(report, "cases").is_array() || curved["cases"].size() != cases.size())
     throw std::invalid_argument(
         "report: no array \"cases\" with an entry for each case; see "
         "comparisons/report/README.md");
+  Json data = chart_data(curved, cases);
+  data["pads"] = pads_chart_data(pads);
   return render_page(
       {"Soft-finger contact: models against finite elements",
        {embedded::report_css},
-       report_body(report, cases),
-       chart_data(report, cases),
+       report_body(curved, pads, cases),
+       std::move(data),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::report_js}});
 }
 

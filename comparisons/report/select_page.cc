@@ -253,10 +253,14 @@ Html select_body(const Json& selection) {
                index++, newton(number(choice, "load_N").value_or(NAN)),
                sentence(text(choice, "reason"))) +
            candidates_table(selection, choice) + causes_of_case(selection, choice) + "</div>\n";
-  out +=
-      "<p class=\"facts\">Stated errors are bounds against the finger itself, curved and at finite "
-      "strain, fitted to finite-element runs of which 95 % lie inside; what the fit of a mesh "
-      "leaves open is added.</p>\n";
+  out += text(selection, "contact") == "patch"
+             ? Html(
+                   "<p class=\"facts\">Stated errors are bounds against finite elements of the "
+                   "whole pad, in linear theory: 95 % of runs that nothing was fitted to lie "
+                   "inside. A pad has no semi-axes, and its area is that of the outline.</p>\n")
+             : "<p class=\"facts\">Stated errors are bounds against the finger itself, curved and "
+               "at finite strain, fitted to finite-element runs of which 95 % lie inside; what the "
+               "fit of a mesh leaves open is added.</p>\n";
   const Json& curve_loads = child(child(selection, "curves"), "load_N");
   if (curve_loads.is_array() && curve_loads.size() > 1)
     out +=

@@ -17,7 +17,9 @@
 #include "comparisons/judgement/next_step.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/reference/fem_jobs.h"
+#include "comparisons/reference/pad_elements.h"
 #include "comparisons/report/report_page.h"
+#include "comparisons/suite/pad_report.h"
 #include "comparisons/suite/suite_report.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -62,6 +64,23 @@ struct PlannedCase {
   std::optional<input::Case> flat_linear, flat_finite;
 };
 
+/// The cases of a run by their kind; flat pads have elements, models and verdicts of their own.
+struct Cases {
+  std::vector<PlannedCase> curved;
+  std::vector<input::Case> pads;
+
+  bool has(const json& id) const {
+    return std::any_of(curved.begin(), curved.end(),
+                       [&](const PlannedCase& one) { return one.reference.id == id; }) ||
+           std::any_of(pads.begin(), pads.end(),
+                       [&](const input::Case& one) { return one.id == id; });
+  }
+};
+
+int level_of(const input::Case& contact_case, const CompareOptions& options) {
+  return std::min(kFinestLevel, contact_case.fem_level + (options.full ? 1 : 0));
+}
+
 constexpr const char* kFlatLinear = "flat, linear";
 constexpr const char* kFlatFinite = "flat, finite strain";
 
@@ -80,16 +99,29 @@ PlannedCase planned(input::Case reference, bool quick) {
   return plan;
 }
 
-/// Runs what is not finished yet. @returns 0 or the signal that interrupted.
-int run_pending(const std::vector<LoadRun*>& runs, const CompareOptions& options,
-                system::Progress& progress) {
-  if (runs.empty()) return 0;
+reference::FemJobOptions job_options(const CompareOptions& options) {
   reference::FemJobOptions settings;
   settings.program = system::fem_program().string();
   settings.identity = reference::program_identity(settings.program);
   settings.parallel = options.jobs;
   settings.single_thread = options.jobs > 1;
   settings.limits = options.fem_limits;
+  return settings;
+}
+
+void say_interrupted(std::size_t done, std::size_t all, const CompareOptions& options,
+                     system::Progress& progress) {
+  progress.say(
+      fmt::format("softfinger: interrupted: {} of {} FEM results are finished in {}; the same "
+                  "command continues from there",
+                  done, all, (options.output / "fem").string()));
+}
+
+/// Runs what is not finished yet. @returns 0 or the signal that interrupted.
+int run_pending(const std::vector<LoadRun*>& runs, const CompareOptions& options,
+                system::Progress& progress) {
+  if (runs.empty()) return 0;
+  const reference::FemJobOptions settings = job_options(options);
   // A case's loads share their process, the largest contact first, whose mesh may serve the others.
   std::vector<std::size_t> order(runs.size());
   std::iota(order.begin(), order.end(), 0);
@@ -132,11 +164,7 @@ int run_pending(const std::vector<LoadRun*>& runs, const CompareOptions& options
         run_of(job).failure = answer.failure;
         shown.finished(job, describe(answer));
       });
-  if (signal != 0)
-    progress.say(
-        fmt::format("softfinger: interrupted: {} of {} FEM results are finished in {}; the same "
-                    "command continues from there",
-                    done, runs.size(), (options.output / "fem").string()));
+  if (signal != 0) say_interrupted(done, runs.size(), options, progress);
   return signal;
 }
 
@@ -188,9 +216,42 @@ int refine_doubted(std::vector<LoadRun>& runs, const CompareOptions& options,
   return signal;
 }
 
+void say_remarks(const input::Case& pad, system::Progress& progress) {
+  for (const std::string& remark : pad.remarks) progress.say("softfinger: " + remark);
+  if (const auto remark = reference::elements_remark(pad)) progress.say("softfinger: " + *remark);
+}
+
+/// The elements of all loads of all pads, by case. @returns 0 or the signal that interrupted
+int run_pads(const std::vector<input::Case>& pads, const CompareOptions& options,
+             system::Progress& progress,
+             std::vector<std::vector<reference::PadSolution>>& solutions) {
+  std::vector<reference::PadJob> jobs;
+  std::vector<reference::PadSolution*> solution_of;
+  solutions.clear();
+  for (const input::Case& pad : pads) solutions.emplace_back(pad.loads_N.size());
+  for (std::size_t i = 0; i < pads.size(); ++i)
+    for (std::size_t load = 0; load < pads[i].loads_N.size(); ++load) {
+      const double load_N = pads[i].loads_N[load];
+      jobs.push_back(
+          {fmt::format("{} {} N", pads[i].id, load_N),
+           reference::pad_problem(pads[i], load_N, level_of(pads[i], options), 0),
+           options.output / "fem" / reference::load_folder(pads[i].id, load_N) / "result.json", i});
+      solution_of.push_back(&solutions[i][load]);
+    }
+  if (jobs.empty()) return 0;
+  std::size_t done = 0;
+  const int signal =
+      reference::run_pad_jobs(jobs, job_options(options), progress,
+                              [&](const reference::PadJob& job, reference::PadSolution solution) {
+                                ++done;
+                                *solution_of[std::size_t(&job - jobs.data())] = std::move(solution);
+                              });
+  if (signal != 0) say_interrupted(done, jobs.size(), options, progress);
+  return signal;
+}
+
 /// Cases of a report that is there already and that a new one would leave out.
-std::vector<std::string> cases_left_out(const fs::path& report_file,
-                                        const std::vector<PlannedCase>& cases) {
+std::vector<std::string> cases_left_out(const fs::path& report_file, const Cases& cases) {
   std::vector<std::string> ids;
   std::ifstream file(report_file);
   const json report =
@@ -198,24 +259,25 @@ std::vector<std::string> cases_left_out(const fs::path& report_file,
   if (!report.is_object() || !report.contains("cases") || !report["cases"].is_array()) return ids;
   for (const json& entry : report["cases"])
     if (entry.is_object() && entry.contains("id") && entry["id"].is_string() &&
-        std::none_of(cases.begin(), cases.end(),
-                     [&](const PlannedCase& one) { return one.reference.id == entry["id"]; }))
+        !cases.has(entry["id"]))
       ids.push_back(entry["id"]);
   return ids;
 }
 
 /// @throws InputError also where two cases share an id
-std::vector<PlannedCase> read_cases(const std::vector<fs::path>& files,
-                                    const CompareOptions& options) {
-  std::vector<PlannedCase> cases;
+Cases read_cases(const std::vector<fs::path>& files, const CompareOptions& options) {
+  Cases cases;
   std::map<std::string, std::string> file_of_id;
   for (const fs::path& file : files) {
     input::Case typed = input::read_case(file, options.settings, input::FlatPads::taken);
-    refuse_pad(typed, "softfinger compare");
     input::require_coulomb(typed, "compare");
-    const prediction::GeometryResolver geometry(typed);
-    cases.push_back(planned(reference::with_full_reference(typed, geometry, options.idealisations),
-                            options.quick));
+    if (std::holds_alternative<input::PadPair>(typed.geometry)) {
+      cases.pads.push_back(typed);
+    } else {
+      const prediction::GeometryResolver geometry(typed);
+      cases.curved.push_back(planned(
+          reference::with_full_reference(typed, geometry, options.idealisations), options.quick));
+    }
     const auto [entry, is_new] = file_of_id.emplace(typed.id, file.string());
     if (!is_new)
       throw InputError(file.string(), "id", typed.id,
@@ -256,9 +318,8 @@ std::vector<LoadRun> plan_runs(const std::vector<PlannedCase>& cases, const Comp
       const auto add = [&](const input::Case& solved, const char* idealised, const char* suffix) {
         run.contact_case = &solved;
         run.idealised = idealised;
-        run.problem = reference::fem_problem(
-            solved, run.geometry, load_N,
-            std::min(kFinestLevel, solved.fem_level + (options.full ? 1 : 0)));
+        run.problem =
+            reference::fem_problem(solved, run.geometry, load_N, level_of(solved, options));
         run.folder = options.output / "fem" / (reference::load_folder(solved.id, load_N) + suffix);
         runs.push_back(run);
       };
@@ -270,8 +331,7 @@ std::vector<LoadRun> plan_runs(const std::vector<PlannedCase>& cases, const Comp
   return runs;
 }
 
-void say_what_is_replaced(const std::vector<PlannedCase>& cases, const fs::path& output,
-                          system::Progress& progress) {
+void say_what_is_replaced(const Cases& cases, const fs::path& output, system::Progress& progress) {
   const auto ids = cases_left_out(output / "report.json", cases);
   if (ids.empty()) return;
   progress.say(fmt::format(
@@ -305,6 +365,13 @@ SuiteComparison compare_all(const std::vector<PlannedCase>& cases, std::vector<L
   return suite;
 }
 
+void compare_pads(const std::vector<input::Case>& pads,
+                  std::vector<std::vector<reference::PadSolution>> solutions,
+                  SuiteComparison& suite) {
+  for (std::size_t i = 0; i < pads.size(); ++i)
+    suite.pads.push_back(judgement::compare_pad(pads[i], std::move(solutions[i]), kTolerance));
+}
+
 std::vector<judgement::CaseErrors> errors_of(const SuiteComparison& suite) {
   std::vector<judgement::CaseErrors> cases;
   for (const judgement::CaseComparison& compared : suite.cases) {
@@ -334,6 +401,10 @@ json answer_as_json(const SuiteComparison& suite, const fs::path& output) {
     for (const judgement::Comparison& load : compared.loads)
       for (const json& one : results_json(load, suite.tolerance)) results.push_back(one);
   }
+  for (const judgement::PadCaseComparison& compared : suite.pads) {
+    cases.push_back({{"id", compared.contact_case->id}, {"verdict", compared.verdict.sentence}});
+    for (const json& one : pad_results_json(compared)) results.push_back(one);
+  }
   return {{"cases", cases},
           {"results", results},
           {"tolerance", suite.tolerance},
@@ -345,6 +416,8 @@ json answer_as_json(const SuiteComparison& suite, const fs::path& output) {
 std::string answer_in_words(const SuiteComparison& suite, const fs::path& output) {
   std::string answer;
   for (const judgement::CaseComparison& compared : suite.cases)
+    answer += fmt::format("{}: {}\n", compared.contact_case->id, compared.verdict.sentence);
+  for (const judgement::PadCaseComparison& compared : suite.pads)
     answer += fmt::format("{}: {}\n", compared.contact_case->id, compared.verdict.sentence);
   if (!is_trusted_everywhere(suite))
     answer += fmt::format(
@@ -367,9 +440,10 @@ int default_job_count() {
 
 int compare(const CompareOptions& options) {
   const auto start = Clock::now();
-  const std::vector<PlannedCase> cases = read_cases(options.case_files, options);
+  const Cases cases = read_cases(options.case_files, options);
   system::Progress progress;
-  std::vector<LoadRun> runs = plan_runs(cases, options, progress);
+  std::vector<LoadRun> runs = plan_runs(cases.curved, options, progress);
+  for (const input::Case& pad : cases.pads) say_remarks(pad, progress);
   // These refuse before anything is written.
   system::fem_program();
   judgement::error_atlas();
@@ -377,14 +451,17 @@ int compare(const CompareOptions& options) {
   const system::OutputFolder output(options.output);
   // After all that may be refused in a single line.
   say_what_is_replaced(cases, options.output, progress);
-  for (const PlannedCase& plan : cases)
+  for (const PlannedCase& plan : cases.curved)
     for (const std::string& remark : prediction::power_law_remarks(plan.reference))
       progress.say("softfinger: " + plan.reference.id + ": " + remark);
   int signal = run_references_then_idealised(runs, options, progress);
   if (signal == 0) signal = refine_doubted(runs, options, progress);
+  std::vector<std::vector<reference::PadSolution>> pad_solutions;
+  if (signal == 0) signal = run_pads(cases.pads, options, progress, pad_solutions);
   if (signal != 0) return 128 + signal;
 
-  SuiteComparison suite = compare_all(cases, std::move(runs));
+  SuiteComparison suite = compare_all(cases.curved, std::move(runs));
+  compare_pads(cases.pads, std::move(pad_solutions), suite);
   suite.command = options.command;
   suite.cores = default_job_count();
   suite.wall_s = std::chrono::duration<double>(Clock::now() - start).count();

@@ -7,13 +7,14 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <initializer_list>
 
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/judgement/atlas/atlas_overview.h"
 #include "comparisons/judgement/scoring.h"
 #include "comparisons/prediction/answer_json.h"
+#include "comparisons/suite/csv_cells.h"
+#include "comparisons/suite/pad_report.h"
 #include "comparisons/system/clock.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/text/csv.h"
@@ -164,18 +165,22 @@ json to_json(const CaseComparison& compared) {
           {"loads", loads}};
 }
 
-json model_cards() {
+json to_json(const ModelCard& card) {
+  return {{"name", card.name},
+          {"title", card.title},
+          {"assumptions", card.assumptions},
+          {"equations", card.equations},
+          {"source", card.source},
+          {"validity", card.validity},
+          {"cost", card.cost}};
+}
+
+/// Those of pads only where there is one, at the end.
+json model_cards(const SuiteComparison& suite) {
   json cards = json::array();
-  for (const PressureModel* model : all_pressure_models()) {
-    const ModelCard& card = model->card();
-    cards.push_back({{"name", card.name},
-                     {"title", card.title},
-                     {"assumptions", card.assumptions},
-                     {"equations", card.equations},
-                     {"source", card.source},
-                     {"validity", card.validity},
-                     {"cost", card.cost}});
-  }
+  for (const PressureModel* model : all_pressure_models()) cards.push_back(to_json(model->card()));
+  if (!suite.pads.empty())
+    for (const PadModel* model : all_pad_models()) cards.push_back(to_json(model->card()));
   return cards;
 }
 
@@ -194,10 +199,16 @@ std::string machine_name() {
 
 json provenance(const SuiteComparison& suite) {
   std::optional<double> peak_memory_MB;
+  const auto count_memory = [&](double used_MB) {
+    peak_memory_MB = std::max(peak_memory_MB.value_or(0), used_MB);
+  };
   for (const CaseComparison& compared : suite.cases)
     for (const Comparison& load : compared.loads)
       if (load.reference && load.reference->peak_memory_MB)
-        peak_memory_MB = std::max(peak_memory_MB.value_or(0), *load.reference->peak_memory_MB);
+        count_memory(*load.reference->peak_memory_MB);
+  for (const judgement::PadCaseComparison& compared : suite.pads)
+    for (const judgement::PadComparison& load : compared.loads)
+      if (load.elements) count_memory(load.elements->peak_memory_MB);
   return {{"version", system::program_version()},
           {"date", system::utc_now()},
           {"compiler", system::compiler()},
@@ -207,17 +218,6 @@ json provenance(const SuiteComparison& suite) {
           {"command", suite.command},
           {"wall_s", suite.wall_s},
           {"peak_memory_MB", peak_memory_MB ? json(*peak_memory_MB) : json()}};
-}
-
-/// A number as JSON writes it, to the last digit; empty where there is none.
-std::string cell(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? "," + json(*value).dump() : ",";
-}
-
-std::string cells(std::initializer_list<std::optional<double>> values) {
-  std::string text;
-  for (const auto& value : values) text += cell(value);
-  return text;
 }
 
 constexpr const char* kErrors[] = {"a", "b", "area", "indentation", "peak_pressure", "max_torque"};
@@ -230,7 +230,7 @@ std::string csv_head() {
       "area_m2,area_projected_m2,max_torque_Nm,eccentricity_m,max_torque_paper_Nm";
   for (const char* key : kErrors) head += std::string(",relative_error_") + key;
   for (const char* key : kErrors) head += std::string(",stated_error_") + key;
-  return head + ",cost_ns,wall_s\n";
+  return head + ",cost_ns,wall_s" + kPadColumns + "\n";
 }
 
 std::string contact_cells(const Comparison& load) {
@@ -252,7 +252,7 @@ std::string reference_row(const Comparison& load) {
          "," + kNoErrors +
          cells({error.a, error.b, error.area, error.indentation, error.peak_pressure,
                 error.max_torque}) +
-         "," + cell(result.wall_s) + "\n";
+         "," + cell(result.wall_s) + kEllipseInPadColumns + "\n";
 }
 
 std::string model_row(const Comparison& load, const ModelComparison& model, bool usable) {
@@ -271,7 +271,7 @@ std::string model_row(const Comparison& load, const ModelComparison& model, bool
          (errors ? cells({errors->a, errors->b, errors->area, errors->indentation,
                           errors->peak_pressure, errors->max_torque})
                  : kNoErrors) +
-         kNoErrors + cell(answer.cost_ns) + ",\n";
+         kNoErrors + cell(answer.cost_ns) + "," + kEllipseInPadColumns + "\n";
 }
 
 }  // namespace
@@ -280,14 +280,19 @@ bool is_trusted_everywhere(const SuiteComparison& suite) {
   for (const CaseComparison& compared : suite.cases)
     for (const Comparison& load : compared.loads)
       if (!load.reference || !reference::is_trusted(*load.reference)) return false;
+  for (const judgement::PadCaseComparison& compared : suite.pads)
+    for (const judgement::PadComparison& load : compared.loads)
+      if (!load.elements || !reference::is_trusted(*load.elements)) return false;
   return true;
 }
 
 json report_json(const SuiteComparison& suite) {
   json cases = json::array();
   for (const CaseComparison& compared : suite.cases) cases.push_back(to_json(compared));
+  for (const judgement::PadCaseComparison& compared : suite.pads)
+    cases.push_back(pad_json(compared));
   return {{"tolerance", suite.tolerance},
-          {"models", model_cards()},
+          {"models", model_cards(suite)},
           {"cases", cases},
           {"provenance", provenance(suite)}};
 }
@@ -322,6 +327,7 @@ std::string results_csv(const SuiteComparison& suite) {
                          judgement::judge(errors, errors.models[i], suite.tolerance) ==
                              judgement::Judgement::usable);
     }
+  for (const judgement::PadCaseComparison& compared : suite.pads) csv += pad_csv_rows(compared);
   return csv;
 }
 

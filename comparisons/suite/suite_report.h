@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "comparisons/judgement/comparison.h"
+#include "comparisons/judgement/pad_comparison.h"
 
 /// The files that `compare` leaves: what report.json holds is described in
 /// comparisons/report/README.md.
@@ -13,6 +14,7 @@ namespace softfinger::suite {
 /// All cases of a run, and how the run was made.
 struct SuiteComparison {
   std::vector<judgement::CaseComparison> cases;
+  std::vector<judgement::PadCaseComparison> pads;  ///< the cases with a flat pad
   double tolerance = 0;
   std::string command;  ///< as typed
   int cores = 1;
@@ -35,9 +37,9 @@ nlohmann::json page_json(const SuiteComparison& suite);
 /// models, usable where they are within the tolerance of them.
 nlohmann::json results_json(const judgement::Comparison& load, double tolerance);
 
-/// One row per case, load and model, the finite elements first; empty where a number does not
-/// exist. Models have relative errors against the finite elements, these have the errors that they
-/// state themselves.
+/// One row per case, load and model, the finite elements first, those of pads at the end; empty
+/// where a number does not exist. Models have relative errors against the finite elements, these
+/// have the errors that they state themselves.
 std::string results_csv(const SuiteComparison& suite);
 
 }  // namespace softfinger::suite

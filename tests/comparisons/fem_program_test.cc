@@ -112,6 +112,31 @@ TEST_F(FemProgram, SolvesAFlatPad) {
   expect_refusal({file, "--set", "contact.load_at_mm=[3.9,0]"}, "");
 }
 
+/// The built-in pads, on coarse meshes: pad_layer holds what it states of itself.
+TEST_F(FemProgram, ComparesFlatPadsWithinTheirBounds) {
+  const std::string output = (folder.path() / "pads").string();
+  const ProgramRun run = run_softfinger(start, {"compare", "panda_like_pad", "thin_disc_pad",
+                                                "--set", "fem.level=1", "--output", output});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json report = json::parse(file_text(folder.path() / "pads/report.json"));
+  ASSERT_EQ(report["cases"].size(), 2u);
+  for (const json& pad : report["cases"]) {
+    EXPECT_EQ(pad["verdict"].get<std::string>().rfind("Use the default, Pad layer (", 0), 0u);
+    const json &load = pad["loads"][0], &model = load["models"][0];
+    for (const char* key : {"max_torque", "pressure_arm", "indentation", "normal_stiffness",
+                            "tilt_stiffness", "peak_pressure"})
+      EXPECT_LT(std::abs(model["relative_error"][key].get<double>()),
+                model["error_bound"][key].get<double>())
+          << pad["id"] << " " << key;
+    // The nodes of both lines, and their pressure in the middle.
+    const json& profile = load["fem"]["profile_x"];
+    ASSERT_GT(profile["position_m"].size(), 8u);
+    // A disc is a polygon to the models, some 0.2 % smaller at its corners' middle.
+    const double edge_m = profile["position_m"][0];
+    EXPECT_NEAR(model["profile_x"]["position_m"][0].get<double>() / edge_m, 1, 0.01);
+  }
+}
+
 TEST_F(FemProgram, EndsInWordsWhereMemoryIsShort) {
   const std::string file = write_case();
   // Memory from hardly enough to load the program to plenty: OpenBLAS used to ask for memory in an

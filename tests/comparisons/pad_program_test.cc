@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -248,14 +249,119 @@ TEST_F(FlatPad, IsRefusedByNameWhereACommandCannotTakeIt) {
   folder.write("pad.toml", pad_text());
   folder.write("sweep.toml", pad_text() + "[sweep]\n\"layer.thickness_mm\" = [1, 2]\n");
   folder.write("data.csv", "load_N,indentation_mm\n1,0.1\n2,0.2\n");
-  for (const std::vector<std::string>& command :
-       std::vector<std::vector<std::string>>{{"compare", "pad.toml"},
-                                             {"select", "pad.toml", "--tolerance", "0.1"},
-                                             {"calibrate", "data.csv", "pad.toml"},
-                                             {"sweep", "sweep.toml", "--output", "there"}}) {
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"calibrate", "data.csv", "pad.toml"}, {"sweep", "sweep.toml", "--output", "there"}}) {
     const ProgramRun run = run_softfinger(start, command);
     expect_refusal(run, "softfinger " + command[0] + " does not take flat pads yet");
   }
+}
+
+/// The fake elements of a disc are those of uniform pressure.
+TEST_F(FlatPad, IsComparedWithTheElements) {
+  folder.write("pad.toml", pad_text("{ pad_diameter_mm = 20 }"));
+  folder.write("case.toml", case_text("curved", "[1.0, 5.0]"));
+  const std::vector<std::string> command = {"compare", "pad.toml", "case.toml", "--output",
+                                            "there",   "--linear", "--jobs",    "1"};
+  const ProgramRun run = run_softfinger(start, command);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(lines(run.out)[0].rfind("curved: ", 0), 0u) << run.out;
+  EXPECT_EQ(lines(run.out)[1].rfind("my_pad: Use Pad uniform (torque within 0.1 %", 0), 0u)
+      << run.out;
+  const json report = json::parse(file_text(folder.path() / "there/report.json"));
+  ASSERT_EQ(report["cases"].size(), 2u);
+  const json& pad = report["cases"][1];
+  EXPECT_EQ(pad["contact"], "patch");
+  EXPECT_EQ(pad["verdict_class"], "good");
+  const json& load = pad["loads"][0];
+  EXPECT_TRUE(load["fem"]["trusted"]);
+  EXPECT_TRUE(load["fem"]["a_m"].is_null());
+  ASSERT_EQ(load["models"].size(), 2u);
+  for (const json& model : load["models"]) {
+    for (const auto& [key, error] :
+         {std::pair("max_torque_Nm", "max_torque"), std::pair("indentation_m", "indentation"),
+          std::pair("pressure_arm_m", "pressure_arm"),
+          std::pair("normal_stiffness_N_per_m", "normal_stiffness"),
+          std::pair("peak_pressure_Pa", "peak_pressure")})
+      EXPECT_NEAR(model["relative_error"][error].get<double>(),
+                  model[key].get<double>() / load["fem"][key].get<double>() - 1, 1e-12)
+          << model["model"] << " " << key;
+    EXPECT_EQ(model["profile_x"]["position_m"].size(), model["profile_x"]["pressure_Pa"].size());
+  }
+  EXPECT_FALSE(load["models"][0]["usable"]);
+  EXPECT_TRUE(load["models"][1]["usable"]);
+  const auto rows = lines(file_text(folder.path() / "there/results.csv"));
+  int patches = 0;
+  for (const std::string& row : rows) {
+    EXPECT_EQ(std::count(row.begin(), row.end(), ','),
+              std::count(rows[0].begin(), rows[0].end(), ','))
+        << row;
+    patches += row.find(",patch,") != std::string::npos;
+  }
+  EXPECT_EQ(patches, 3) << "elements and two models";
+  EXPECT_NE(file_text(folder.path() / "there/report.html").find("data-case=\"my_pad\""),
+            std::string::npos);
+
+  const ProgramRun again = run_softfinger(start, command);
+  EXPECT_EQ(again.status, 0);
+  EXPECT_NE(again.err.find("my_pad 20 N: reused"), std::string::npos) << again.err;
+  folder.write("there/fem/my_pad_20N/result.json", "{ half");
+  EXPECT_NE(run_softfinger(start, command).err.find("made again"), std::string::npos);
+
+  std::vector<std::string> as_json = command;
+  as_json.emplace_back("--json");
+  const json answer = json::parse(run_softfinger(start, as_json).out);
+  EXPECT_EQ(answer["cases"][1]["id"], "my_pad");
+  EXPECT_EQ(answer["results"].back()["model"], "pad_uniform");
+  EXPECT_EQ(answer["results"].back()["case"], "my_pad");
+  EXPECT_TRUE(answer["trusted"]);
+}
+
+TEST_F(FlatPad, SaysWhenItsReferenceFailsOrNoModelHolds) {
+  folder.write("pad.toml", pad_text("{ pad_diameter_mm = 20 }", "{ face_diameter_mm = 12 }"));
+  const ProgramRun open = run_softfinger(start, {"compare", "pad.toml"});
+  EXPECT_EQ(open.status, 0) << open.err;
+  EXPECT_EQ(open.out.rfind("my_pad: No model can be relied on at 20 N: nearest is ", 0), 0u)
+      << open.out;
+  EXPECT_NE(open.out.find("which states no bound there"), std::string::npos) << open.out;
+  start.environment.emplace_back("FAKE_FEM_CRASH_N=20");
+  const ProgramRun failed = run_softfinger(start, {"compare", "pad.toml", "--output", "there"});
+  EXPECT_EQ(failed.status, 1) << failed.err;
+  EXPECT_EQ(failed.out.rfind("my_pad: No verdict: FEM failed at 20 N (", 0), 0u) << failed.out;
+}
+
+TEST_F(FlatPad, GetsTheCheapestModelThatIsAccurateEnough) {
+  folder.write("pad.toml", pad_text());
+  const auto select = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {"select", "pad.toml"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_softfinger(start, arguments);
+  };
+  const auto chosen = [&](std::vector<std::string> more) {
+    more.emplace_back("--json");
+    return json::parse(select(more).out)["choices"][0];
+  };
+  const json usual = chosen({"--tolerance", "0.1"});
+  EXPECT_EQ(usual["model"], "pad_layer");
+  EXPECT_EQ(usual["next_better"], "fem");
+  EXPECT_TRUE(usual["error_bound"]["a"].is_null());
+  EXPECT_EQ(usual["candidates"].size(), 3u);
+  EXPECT_EQ(chosen({"--tolerance", "0.005"})["model"], "fem");
+  EXPECT_TRUE(chosen({"--tolerance", "0.005", "--budget-us", "100"})["model"].is_null());
+  EXPECT_EQ(chosen({"--tolerance", "0.3", "--models", "pad_uniform"})["model"], "pad_uniform");
+  // The pressure on foam is uniform.
+  EXPECT_EQ(chosen({"--tolerance", "0.01", "--set", "layer.poisson_ratio=0"})["model"],
+            "pad_layer");
+  // The elements refuse a face that crosses the pad's outline, and the models know no bound.
+  const json crossed = chosen({"--set", "geometry.object={ face_mm = [10, 50] }"});
+  EXPECT_TRUE(crossed["model"].is_null());
+  EXPECT_EQ(chosen({"--set", "geometry.object={ face_mm = [10, 20] }"})["model"], "fem");
+  const ProgramRun words = select({"--tolerance", "0.1", "--output", "page"});
+  EXPECT_EQ(words.status, 0) << words.err;
+  EXPECT_EQ(words.out.rfind("20 N: pad_layer within 2.5 % (max_torque)", 0), 0u) << words.out;
+  EXPECT_NE(words.out.find("torque by the inputs: h + 10 %"), std::string::npos);
+  EXPECT_NE(file_text(folder.path() / "page/select.html").find("whole pad"), std::string::npos);
+  expect_refusal(select({"--quantities", "a,b"}), "no semi-axes");
+  expect_refusal(select({"--models", "hertz"}), "pad_layer");
 }
 
 constexpr const char* kSimulators[] = {"bullet", "drake",  "gazebo", "gz-sim",

@@ -405,5 +405,39 @@ TEST(Scoring, NamesTheQuantityAndTheLoadOfTheWorstError) {
   EXPECT_FALSE(best->sound);
 }
 
+TEST(Pads, HaveSectionsOfTheirOwnAndNoStatisticsWithCurvedContacts) {
+  const Json pads = tests::sample_pads();
+  const std::string alone = tests::page_of(pads);
+  EXPECT_NE(section_of(alone, "wide_pad").find("data-chart=\"padmap\""), std::string::npos);
+  EXPECT_NE(section_of(alone, "wide_pad").find("<b>2 of 4</b> do"), std::string::npos)
+      << "pad_uniform exceeds what it states";
+  EXPECT_NE(section_of(alone, "pad_on_rib").find("killed by signal 9"), std::string::npos);
+  EXPECT_NE(section_of(alone, "pad_on_rib").find("states no bound here"), std::string::npos);
+  EXPECT_NE(alone.find("use <b>Pad layer</b> at 2 of 4 loads: torque within 0.74"),
+            std::string::npos);
+  EXPECT_EQ(alone.find("data-chart=\"cost\""), std::string::npos) << "no curved contact";
+  EXPECT_EQ(alone.find("<22 x 37.5>"), std::string::npos) << "text is escaped";
+  // Beside curved contacts all of theirs stays as it was.
+  Json both = tests::sample_report();
+  const std::string curved = tests::page_of(both);
+  for (const Json& pad : pads["cases"]) both["cases"].push_back(pad);
+  const std::string page = tests::page_of(both);
+  const std::size_t lead = curved.find("<p class=\"lead\">");
+  const std::string summary = curved.substr(lead, curved.find("<nav>", lead) - lead);
+  EXPECT_NE(page.find(summary), std::string::npos) << summary;
+  EXPECT_EQ(occurrences(page, "data-chart=\"padmap\""), 2);
+}
+
+TEST(Pads, AreDrawnWithWhateverIsMissing) {
+  const Json pads = tests::sample_pads();
+  for (const std::string& key : keys_in(pads["cases"][0]))
+    for (const bool erase : {false, true}) {
+      Json report = pads;
+      report["cases"][0] = damaged(report["cases"][0], key, erase);
+      if (key == "contact") continue;  // without it the case is a curved one
+      EXPECT_NE(tests::page_of(report).find("</html>"), std::string::npos) << key;
+    }
+}
+
 }  // namespace
 }  // namespace softfinger::report

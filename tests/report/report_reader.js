@@ -65,7 +65,7 @@ async function read(page) {
   const chosenLoad = (figure) => {
     const section = figure.closest("[data-case]");
     const button = section.querySelector('button[data-load][aria-pressed="true"]');
-    const data = report.cases[all("[data-case]").indexOf(section)];
+    const data = [...report.cases, ...(report.pads ?? [])][all("[data-case]").indexOf(section)];
     return {data, load: data.loads[button ? Number(button.dataset.load) : 0]};
   };
   const answers = (load) => [...(load.fem ? [{...load.fem, model: "fem"}] : []), ...load.models.filter((m) => m.has_answer)];
@@ -128,8 +128,19 @@ async function read(page) {
     }
   }
 
+  // Corners of the outlines; a millimetre is as long upwards as sideways.
+  function lookAtPadMap(figure) {
+    const {data} = chosenLoad(figure), x = axisOf(figure, "x"), y = axisOf(figure, "y");
+    expectPlace("a millimetre upwards", [-y.per], [x.per], 0.001 * x.per);
+    const paths = marks(figure, "line", "path");
+    [data.pad_outline, data.outline].forEach((outline, k) => {
+      const points = pointsOf(paths[k]);
+      outline.forEach(([right, up], i) => expectPlace(`corner ${i} of ${data.id}`, points[i], [x.place(1e3 * right), y.place(1e3 * up)]));
+    });
+  }
+
   function lookAtCases(root = page) {
-    for (const [kind, look] of [["ellipse", lookAtEllipse], ["pressure", lookAtPressure], ["torque", lookAtTorque], ["ellipsoid", lookAtEllipsoid]])
+    for (const [kind, look] of [["padmap", lookAtPadMap], ["padpressure", lookAtPressure], ["ellipse", lookAtEllipse], ["pressure", lookAtPressure], ["torque", lookAtTorque], ["ellipsoid", lookAtEllipsoid]])
       figures(kind, root).filter((figure) => figure.querySelector("svg")).forEach(look);
   }
 

@@ -297,7 +297,136 @@ Json sample_atlas() {
             mark("outside", 0.2, 1, 60, false)}}};
 }
 
+/// The pressure of a pad, p0 (1 - share u^6)(1 - share v^6) of both coordinates over the half
+/// sides.
+struct PadPressure {
+  double half_x_m, half_y_m, peak_Pa, share;
+
+  double at(double x_m, double y_m) const {
+    const auto factor = [&](double part) { return 1 - share * std::pow(part, 6); };
+    return peak_Pa * factor(x_m / half_x_m) * factor(y_m / half_y_m);
+  }
+  Json profile(bool along_x, int points) const {
+    Json positions = Json::array(), pressures = Json::array();
+    for (int i = 0; i < points; ++i) {
+      const double part = -1 + 2.0 * i / (points - 1);
+      positions.push_back(part * (along_x ? half_x_m : half_y_m));
+      pressures.push_back(along_x ? at(part * half_x_m, 0) : at(0, part * half_y_m));
+    }
+    return {{"position_m", positions}, {"pressure_Pa", pressures}};
+  }
+  Json samples(int points) const {
+    Json x = Json::array(), y = Json::array(), p = Json::array();
+    for (int i = 0; i < points; ++i)
+      for (int j = 0; j < points; ++j) {
+        x.push_back(half_x_m * (-1 + 2.0 * i / (points - 1)));
+        y.push_back(half_y_m * (-1 + 2.0 * j / (points - 1)));
+        p.push_back(at(x.back(), y.back()));
+      }
+    return {{"x_m", x}, {"y_m", y}, {"pressure_Pa", p}};
+  }
+};
+
+Json rectangle(double half_x_m, double half_y_m) {
+  return Json::array(
+      {{half_x_m, half_y_m}, {-half_x_m, half_y_m}, {-half_x_m, -half_y_m}, {half_x_m, -half_y_m}});
+}
+
+Json pad_answer(const PadPressure& pressure, double torque_Nm, double stiffness_N_per_m) {
+  return {{"contact", "patch"},
+          {"a_m", nullptr},
+          {"b_m", nullptr},
+          {"max_torque_Nm", torque_Nm},
+          {"eccentricity_m", torque_Nm / 18},
+          {"pressure_arm_m", torque_Nm / 17.9},
+          {"indentation_m", 20 / stiffness_N_per_m},
+          {"normal_stiffness_N_per_m", stiffness_N_per_m},
+          {"tilt_stiffness_Nm_per_rad", {116.4, 30.34}},
+          {"peak_pressure_Pa", pressure.peak_Pa},
+          {"profile_x", pressure.profile(true, 41)},
+          {"profile_y", pressure.profile(false, 41)}};
+}
+
+Json pad_model(const char* name, const PadPressure& pressure, double torque_error, bool sound) {
+  Json model = pad_answer(pressure, 0.1791 * (1 + torque_error), 1.49e6 * (1 + torque_error));
+  model["model"] = name;
+  model["has_answer"] = true;
+  model["sound"] = sound;
+  model["usable"] = sound && std::abs(torque_error) < 0.1;
+  model["cost_ns"] = 1200;
+  model["validity"] = Json::array();
+  if (!sound)
+    model["validity"].push_back({{"check", "covered"},
+                                 {"value", 0.5},
+                                 {"limit", 0.98},
+                                 {"holds", false},
+                                 {"message", "the object's face ends within the pad"}});
+  model["error_bound"] = sound ? Json{{"max_torque", 0.025}, {"indentation", 0.03}} : Json();
+  model["relative_error"] = {
+      {"max_torque", torque_error},         {"normal_stiffness", torque_error},
+      {"indentation", -torque_error},       {"pressure_arm", torque_error / 2},
+      {"tilt_stiffness", torque_error / 3}, {"peak_pressure", -torque_error}};
+  return model;
+}
+
+Json pad_load(double load_N, double half_x_m, double half_y_m, bool sound) {
+  const PadPressure pressed{half_x_m, half_y_m, 2e3 * load_N, 0.8};
+  Json fem = pad_answer(pressed, 0.1791, 1.49e6);
+  fem.update(
+      {{"model", "fem"},
+       {"trusted", true},
+       {"error", {{"max_torque", 6e-4}, {"indentation", 7e-4}, {"pressure_arm", 6e-4}}},
+       {"pressure", pressed.samples(17)},
+       {"levels", Json::array({{{"level", 2}, {"unknowns", 9996}, {"max_torque_Nm", 0.179}}})},
+       {"unknowns", 9996},
+       {"wall_s", 2.2},
+       {"peak_memory_MB", 266.0},
+       {"lifted_share", 0.0}});
+  const PadPressure flat{half_x_m, half_y_m, 1.2e3 * load_N, 0};
+  return {{"load_N", load_N},
+          {"fem", fem},
+          {"models", Json::array({pad_model("pad_layer", pressed, -0.0074, sound),
+                                  pad_model("pad_uniform", flat, 0.167, sound)})}};
+}
+
+Json pad_case(const char* id, const char* verdict_class, bool is_covered) {
+  return {{"id", id},
+          {"contact", "patch"},
+          {"question", "Which torque does a pad of <22 x 37.5> mm hold?"},
+          {"description", "flat pad, contact 22 x 37.5 mm"},
+          {"verdict", "Use the default, Pad layer."},
+          {"verdict_class", verdict_class},
+          {"reference", "the whole pad in linear theory"},
+          {"file", std::string(id) + ".toml"},
+          {"case_toml", "id = \"pad\""},
+          {"outline_m", is_covered ? rectangle(0.011, 0.01875) : rectangle(0.008, 0.012)},
+          {"pad_outline_m", rectangle(0.011, 0.01875)},
+          {"layer", {{"thickness_m", 3e-3}, {"youngs_modulus_Pa", 8e5}, {"poisson_ratio", 0.49}}},
+          {"friction_coefficient", 0.9},
+          {"loads", Json::array()}};
+}
+
 }  // namespace
+
+Json sample_pads() {
+  Json good = pad_case("wide_pad", "good", true), open = pad_case("pad_on_rib", "bad", false);
+  for (const double load_N : {20.0, 60.0}) {
+    good["loads"].push_back(pad_load(load_N, 0.011, 0.01875, true));
+    open["loads"].push_back(pad_load(load_N, 0.008, 0.012, false));
+  }
+  Json& failed = open["loads"][1];
+  failed["fem"] = nullptr;
+  failed["fem_failure"] = "softfinger-fem was killed by signal 9 (Killed)";
+  for (Json& model : failed["models"]) {
+    model["relative_error"] = nullptr;
+    model["usable"] = false;
+  }
+  return {{"tolerance", 0.1},
+          {"models", Json::array({{{"name", "pad_layer"}, {"title", "flat pad"}},
+                                  {{"name", "pad_uniform"}, {"title", "uniform pressure"}}})},
+          {"cases", Json::array({good, open})},
+          {"provenance", {{"version", "1.0"}, {"command", "softfinger compare"}}}};
+}
 
 Json sample_report() {
   Json report = empty_report();

@@ -9,6 +9,10 @@ namespace softfinger::tests {
 /// direction, missing profiles. Not computed by the models: the page must not depend on them.
 nlohmann::json sample_report();
 
+/// A report of two flat pads: one with two loads, one over a smaller face, of which the reference
+/// failed at its second load.
+nlohmann::json sample_pads();
+
 /// The largest report that the page must carry: `cases` cases with three loads and eight models.
 nlohmann::json large_report(int cases);
 

@@ -35,12 +35,6 @@ void take(const prediction::Assessment& found, Candidate& candidate) {
   candidate.remark = found.evidence;
 }
 
-/// 0 for the hot path, then one more for each decade of milliseconds. The costs of slow models are
-/// those of stored runs, so that the class is the same from run to run.
-int cost_class(bool hot_path, double cost_us) {
-  return hot_path || !(cost_us > 1) ? 0 : 1 + std::max(0, int(std::floor(std::log10(cost_us))));
-}
-
 Candidate candidate_of(const PressureModel& model, const input::Case& contact_case,
                        const prediction::LocalGeometry& geometry, double load_N,
                        const SelectionOptions& options) {
@@ -153,19 +147,33 @@ std::string duration_text(double time_us) {
   return fmt::format("{:.3g} s", time_us * 1e-6);
 }
 
+/// 0 for the hot path, then one more for each decade of milliseconds. The costs of slow models are
+/// those of stored runs, so that the class is the same from run to run.
+int cost_class(bool hot_path, double cost_us) {
+  return hot_path || !(cost_us > 1) ? 0 : 1 + std::max(0, int(std::floor(std::log10(cost_us))));
+}
+
+bool is_allowed(const SelectionOptions& options, std::string_view model) {
+  return options.models.empty() ||
+         std::find(options.models.begin(), options.models.end(), model) != options.models.end();
+}
+
 Choice choose_model(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
                     double load_N, const SelectionOptions& options) {
+  std::vector<Candidate> candidates;
+  for (const PressureModel* model : all_pressure_models())
+    if (is_allowed(options, model->card().name))
+      candidates.push_back(candidate_of(*model, contact_case, geometry, load_N, options));
+  if (is_allowed(options, "fem"))
+    candidates.push_back(finite_elements(contact_case, geometry, load_N, options.demand));
+  return choose_among(std::move(candidates), load_N, options);
+}
+
+Choice choose_among(std::vector<Candidate> candidates, double load_N,
+                    const SelectionOptions& options) {
   Choice choice;
   choice.load_N = load_N;
-  const auto allowed = [&](std::string_view name) {
-    return options.models.empty() ||
-           std::find(options.models.begin(), options.models.end(), name) != options.models.end();
-  };
-  for (const PressureModel* model : all_pressure_models())
-    if (allowed(model->card().name))
-      choice.candidates.push_back(candidate_of(*model, contact_case, geometry, load_N, options));
-  if (allowed("fem"))
-    choice.candidates.push_back(finite_elements(contact_case, geometry, load_N, options.demand));
+  choice.candidates = std::move(candidates);
   for (Candidate& candidate : choice.candidates) judge(candidate, options);
   // Equal ones stay in the order of their names.
   const auto rank = [](const Candidate& candidate) {
@@ -266,7 +274,8 @@ std::string table(const Choice& choice, const SelectionOptions& options) {
       remarks += fmt::format("  {}: {}\n", candidate.model, candidate.remark);
       continue;
     }
-    for (const double bound : *candidate.bound) text += fmt::format("{:>15}", text::percent(bound));
+    for (const double bound : *candidate.bound)
+      text += fmt::format("{:>15}", std::isnan(bound) ? "-" : text::percent(bound));
     text += candidate.meets()       ? "  meets it\n"
             : candidate.usable      ? "  too slow\n"
             : candidate.affordable  ? "\n"

@@ -3,6 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "comparisons/input/case.h"
@@ -52,6 +53,16 @@ struct Choice {
   int next_cheaper = -1;  ///< the best of those of a lower class of cost
   std::string reason;     ///< one or two sentences
 };
+
+/// The cheapest of candidates that were asked, and its neighbours in cost and error.
+Choice choose_among(std::vector<Candidate> candidates, double load_N,
+                    const SelectionOptions& options);
+
+/// The rank of a model's cost (`Candidate::cost_class`).
+int cost_class(bool hot_path, double cost_us);
+
+/// Whether a model is among the allowed ones.
+bool is_allowed(const SelectionOptions& options, std::string_view model);
 
 /// Models that take longer than microseconds are asked only where they are named.
 Choice choose_model(const input::Case& contact_case, const prediction::LocalGeometry& geometry,

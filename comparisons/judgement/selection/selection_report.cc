@@ -135,6 +135,20 @@ json causes(const input::Case& contact_case, const SelectionOptions& options,
       {"models", models}};
 }
 
+json cards() {
+  json cards = json::array();
+  for (const PressureModel* model : all_pressure_models())
+    cards.push_back({{"name", model->card().name}, {"title", model->card().title}});
+  return cards;
+}
+
+json provenance(const std::string& command) {
+  return {
+      {"version", system::program_version()}, {"date", system::utc_now()}, {"command", command}};
+}
+
+}  // namespace
+
 std::string limits_in_words(const SelectionOptions& options) {
   std::string words;
   if (options.demand.quantities != kUsualQuantities)
@@ -149,20 +163,6 @@ std::string limits_in_words(const SelectionOptions& options) {
   }
   return words;
 }
-
-json cards() {
-  json cards = json::array();
-  for (const PressureModel* model : all_pressure_models())
-    cards.push_back({{"name", model->card().name}, {"title", model->card().title}});
-  return cards;
-}
-
-json provenance(const std::string& command) {
-  return {
-      {"version", system::program_version()}, {"date", system::utc_now()}, {"command", command}};
-}
-
-}  // namespace
 
 json selection_report(const input::Case& contact_case, const prediction::GeometryResolver& resolver,
                       const SelectionOptions& options, const std::vector<LoadChoice>& choices,

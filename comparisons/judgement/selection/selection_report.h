@@ -23,7 +23,10 @@ nlohmann::json selection_report(const input::Case& contact_case,
                                 const SelectionOptions& options,
                                 const std::vector<LoadChoice>& choices, const std::string& command);
 
-/// A choice for a scene, with what its page says of the models and of its origin.
+/// The options' demands beside the tolerance, in words for the page; may be empty.
+std::string limits_in_words(const SelectionOptions& options);
+
+/// A choice for a scene or a pad, with what its page says of the models and of its origin.
 nlohmann::json with_provenance(const nlohmann::json& choice, const std::string& command);
 
 }  // namespace softfinger::judgement
