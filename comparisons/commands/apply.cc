@@ -11,6 +11,7 @@
 #include "comparisons/commands/contact_choice.h"
 #include "comparisons/commands/finger_shapes.h"
 #include "comparisons/exporting/included_files.h"
+#include "comparisons/exporting/pad_contact.h"
 #include "comparisons/exporting/robot_file.h"
 #include "comparisons/exporting/robot_shapes.h"
 #include "comparisons/prediction/answer_text.h"
@@ -39,7 +40,7 @@ struct ApplyOptions {
   ContactChoice contact;
   ShapeChoice shape;
   double effective_mass_g = 0, depth_mm = 0;
-  bool plugin = false, in_place = false, json = false;
+  bool plugin = false, shrink_pads = false, in_place = false, json = false;
 
   bool is_standard_input() const { return model == "-"; }
 };
@@ -50,6 +51,8 @@ struct FingerContact {
   std::unique_ptr<ShapedFinger> shaped;
   ContactCurve curve;
   exporting::RobotContact wanted;
+  std::vector<double> torque_errors, force_errors;  ///< in the simulator, over the curve's loads
+  std::string corner_shape;                         ///< of a flat pad, which should be the shape
 };
 
 /// "-31.6 to +43.0 % of the torque over 0.5 to 10 N", "the force is exact"
@@ -184,7 +187,10 @@ nlohmann::json to_json(const FingerContact& finger) {
       {"usable", curve.nominal.assessment.usable},
       {"reason", text_or_null(curve.advice)},
       {"pressure_model", curve.model},
-      {"relative_radii_m", {curve.radii.major_m, curve.radii.minor_m}},
+      {"contact", contact.face ? "patch" : "ellipse"},
+      {"relative_radii_m",
+       contact.face ? nlohmann::json() : nlohmann::json{curve.radii.major_m, curve.radii.minor_m}},
+      {"corner_shape", text_or_null(finger.corner_shape)},
       {"max_torque_Nm", text::finite_or_null(curve.nominal.max_torque_Nm())},
       {"friction_coefficient", text::finite_or_null(contact.friction_coefficient)},
       {"eccentricity_m", text::finite_or_null(contact.eccentricity_m)},
@@ -205,8 +211,8 @@ nlohmann::json to_json(const ApplyOptions& options, const XmlFile& file, const S
                        const std::vector<std::string>& notes) {
   const ContactCurve& curve = fingers.front().curve;
   const exporting::SoftContact& contact = fingers.front().wanted.contact;
-  const auto errors = relative_errors(simulator, contact, curve);
-  const auto force_errors = relative_force_errors(contact, curve);
+  const auto& errors = fingers.front().torque_errors;
+  const auto& force_errors = fingers.front().force_errors;
   nlohmann::json changes = nlohmann::json::array(), loads = nlohmann::json::array(),
                  each = nlohmann::json::array(), outputs = nlohmann::json::array();
   for (const XmlFile* part : file.files())
@@ -273,11 +279,13 @@ std::string shapes_text(const std::vector<FingerContact>& fingers) {
   std::string text;
   for (const FingerContact& finger : fingers)
     if (const ShapedFinger* shaped = finger.shaped.get())
-      text += fmt::format("{}: {} ({}), pad {} mm, {}{}; radii of the gap {}; dP/dd {:.4g} N/mm\n",
-                          shaped->name, shaped->shape_words, shaped->shape.element->where(),
+      text += fmt::format("{}: {} ({}), pad {} mm, {}{}; {}; dP/dd {:.4g} N/mm\n", shaped->name,
+                          shaped->shape_words, shaped->shape.element->where(),
                           prediction::in_millimetres(shaped->point_in_body_m), shaped->pad_words,
                           shaped->is_guessed ? " (guessed; --pad says another side)" : "",
-                          radii_words(finger.curve.radii),
+                          finger.wanted.contact.face
+                              ? std::string("flat")
+                              : "radii of the gap " + radii_words(finger.curve.radii),
                           1e-3 * finger.curve.normal_stiffness_N_per_m);
   return text.empty() ? "" : text + "\n";
 }
@@ -343,14 +351,70 @@ FingerContact contact_of(const ApplyOptions& options, const Simulator& simulator
   finger.curve = std::move(curve);
   exporting::RobotContact& wanted = finger.wanted;
   wanted.contact = soft_contact(finger.curve, simulator, options.contact.kind_of_fit());
-  wanted.torque_error =
-      range_of(relative_errors(simulator, wanted.contact, finger.curve), finger.curve, "torque");
-  wanted.force_error =
-      range_of(relative_force_errors(wanted.contact, finger.curve), finger.curve, "force");
+  finger.torque_errors = relative_errors(simulator, wanted.contact, finger.curve);
+  finger.force_errors = relative_force_errors(wanted.contact, finger.curve);
+  wanted.torque_error = range_of(finger.torque_errors, finger.curve, "torque");
+  wanted.force_error = range_of(finger.force_errors, finger.curve, "force");
   if (options.effective_mass_g > 0) wanted.effective_mass_kg = 1e-3 * options.effective_mass_g;
   if (options.depth_mm > 0) wanted.depth_m = 1e-3 * options.depth_mm;
   if (options.plugin)
     wanted.plugin = plugin_problem(options, contact_case, finger.curve.nominal.load_N);
+  return finger;
+}
+
+/// The contact of a flat pad. The file's shape makes points at its own corners, unless the
+/// simulator has a pressure.
+/// @param parts  shapes of the finger
+FingerContact pad_contact_of(const ApplyOptions& options, const Simulator& simulator,
+                             exporting::RobotFormat format, const ShapedFinger& shaped,
+                             std::size_t parts) {
+  const auto refuse = [&](const char* option, const std::string& value, const char* allowed) {
+    throw InputError("command line", option, value, allowed);
+  };
+  if (options.plugin) refuse("--plugin", "", "none for a flat pad: its e_n is one for all loads");
+  if (!options.contact.model.empty())
+    refuse("--model", options.contact.model, "none for a flat pad: pad_layer");
+  const input::Case& pad_case = shaped.pad_case;
+  const exporting::LoadRange loads = loads_of(pad_case, options.contact);
+  const exporting::PadContact made =
+      exporting::ask_pad_contact(pad_case, loads.nominal_N, options.contact.demand.demand());
+  const exporting::PadFace& face = *made.contact.face;
+  FingerContact finger;
+  finger.curve = pad_curve(made, pad_case, loads);
+  finger.wanted.contact = made.contact;
+  const bool has_pressure = simulator.load_exponent > 0;
+  double error = has_pressure ? face.error_of_pressure() : face.error_of_points();
+  const exporting::CornerShape corners = corner_shape(format, shaped.shape, *shaped.flat, face);
+  if (options.shrink_pads) {
+    if (has_pressure || corners.kind.empty() || parts != 1)
+      throw InputError(shaped.shape.element->where(),
+                       "--shrink-pads of \"" + text::shortened(shaped.name) + "\"", "",
+                       has_pressure ? "none for " + std::string(simulator.title) +
+                                          ", which has a pressure: export prints its box"
+                       : parts != 1
+                           ? "a --finger that is one box or cylinder"
+                           : "a box or a cylinder; here it is another shape, " + corners.words);
+    finger.wanted.corner_size = {corners.kind, corners.name, corners.value};
+    error = 0;
+  }
+  finger.torque_errors.assign(finger.curve.points.size(), error);
+  finger.force_errors.assign(finger.curve.points.size(), 0);
+  finger.wanted.torque_error =
+      options.shrink_pads
+          ? "the torque is exact"
+          : fmt::format("{:+.0f} % of the torque, by {}", 100 * error,
+                        has_pressure ? "the uniform pressure" : "the forces at its corners");
+  finger.wanted.force_error = range_of(finger.force_errors, finger.curve, "force");
+  if (options.effective_mass_g > 0)
+    finger.wanted.effective_mass_kg = 1e-3 * options.effective_mass_g;
+  if (options.depth_mm > 0) finger.wanted.depth_m = 1e-3 * options.depth_mm;
+  if (!has_pressure) finger.corner_shape = corners.words;
+  if (!has_pressure && !options.shrink_pads)
+    remark(
+        fmt::format("{}: flat: contact points at its own corners have {:.0f} % too much torque; "
+                    "exact is {}{}",
+                    text::shortened(shaped.name), 100 * error, corners.words,
+                    corners.kind.empty() ? "" : " (--shrink-pads)"));
   return finger;
 }
 
@@ -368,16 +432,27 @@ std::vector<FingerContact> contacts_of(const ApplyOptions& options, const Simula
   const exporting::RobotShapes shapes = read_shapes(file, format, mjcf);
   RobotMeshes meshes(options.is_standard_input() ? "" : options.model, format, shapes,
                      options.shape.package_paths);
-  auto fingers = shaped_fingers(shapes, find_fingers(file, mjcf, options.fingers), options.shape,
-                                options.contact, meshes);
+  const std::vector<exporting::FingerParts> found = find_fingers(file, mjcf, options.fingers);
+  auto fingers = shaped_fingers(shapes, found, options.shape, options.contact, meshes);
   if (options.contact.typed_case.friction.empty())
     remark("no --friction: a coefficient of 1 is taken, the torque is proportional to it");
   // Fingers that are alike have one curve.
   std::map<std::pair<double, double>, ContactCurve> curves;
-  for (auto& shaped : fingers) {
+  for (std::size_t i = 0; i < fingers.size(); ++i) {
+    std::unique_ptr<ShapedFinger>& shaped = fingers[i];
+    const std::size_t parts = found[i].elements.size();
     if (shaped->is_guessed)
       remark(fmt::format("{}: the pad is guessed {}; --pad says another side",
                          text::shortened(shaped->name), shaped->pad_words));
+    const auto add = [&](FingerContact finger) {
+      finger.name = shaped->name;
+      finger.shaped = std::move(shaped);
+      contacts.push_back(std::move(finger));
+    };
+    if (shaped->is_surely_flat()) {
+      add(pad_contact_of(options, simulator, format, *shaped, parts));
+      continue;
+    }
     const input::Case& contact_case = shaped->contact_case;
     const std::pair<double, double> radii =
         shaped->pad ? std::pair(shaped->pad->major_radius_m, shaped->pad->minor_radius_m)
@@ -385,14 +460,18 @@ std::vector<FingerContact> contacts_of(const ApplyOptions& options, const Simula
     auto known = shaped->pad ? curves.find(radii) : curves.end();
     if (known == curves.end()) {
       for (const std::string& line : contact_case.remarks) remark(line);
-      known = curves.insert_or_assign(radii, ask_contact_curve(*shaped, options.contact)).first;
+      try {
+        known = curves.insert_or_assign(radii, ask_contact_curve(*shaped, options.contact)).first;
+      } catch (const InputError&) {
+        if (!shaped->flat) throw;
+        add(pad_contact_of(options, simulator, format, *shaped, parts));
+        continue;
+      }
     }
     ContactCurve curve = known->second;
     curve.case_id = contact_case.id;
     require_on_one_part(*shaped, curve);
-    contacts.push_back(contact_of(options, simulator, contact_case, std::move(curve)));
-    contacts.back().name = shaped->name;
-    contacts.back().shaped = std::move(shaped);
+    add(contact_of(options, simulator, contact_case, std::move(curve)));
   }
   return contacts;
 }
@@ -401,6 +480,10 @@ bool all_usable(const std::vector<FingerContact>& fingers) {
   return std::all_of(fingers.begin(), fingers.end(), [](const FingerContact& finger) {
     return finger.curve.nominal.assessment.usable;
   });
+}
+
+std::string lines_of(const Simulator& simulator, const exporting::SoftContact& contact) {
+  return (contact.face ? simulator.box_lines : simulator.lines)(contact).text;
 }
 
 /// Prints the lines to type for a simulator that reads no friction from such a file.
@@ -414,7 +497,7 @@ int print_lines(const ApplyOptions& options, const Simulator& simulator, const X
     for (std::size_t i = 0; i < fingers.size() && !fingers.front().name.empty(); ++i)
       result["fingers"][i]["lines"] =
           usable || options.contact.force
-              ? nlohmann::json(simulator.lines(fingers[i].wanted.contact).text)
+              ? nlohmann::json(lines_of(simulator, fingers[i].wanted.contact))
               : nlohmann::json();
     system::write_to_stdout(text::printed(result));
     return usable ? 0 : 1;
@@ -428,7 +511,7 @@ int print_lines(const ApplyOptions& options, const Simulator& simulator, const X
     text += shapes_text(fingers);
     for (const FingerContact& finger : fingers)
       text += (finger.name.empty() ? "" : finger.name + "\n") +
-              simulator.lines(finger.wanted.contact).text + "\n";
+              lines_of(simulator, finger.wanted.contact) + "\n";
     text += "Nothing is written.\n";
   } else {
     text += kHowToForce;
@@ -536,6 +619,9 @@ void add_apply(CLI::App& app, Action& action) {
   command->add_flag("--plugin", options->plugin,
                     "MuJoCo: also list the geoms for libsoftfinger_mujoco, with which the torque "
                     "follows the load");
+  command->add_flag("--shrink-pads", options->shrink_pads,
+                    "flat pads that are a box or a cylinder: shrinks the shape, once, until its "
+                    "corners lie at e_n from its middle, where their forces have the pad's torque");
   command
       ->add_option(
           "--effective-mass-g", options->effective_mass_g,
@@ -550,11 +636,14 @@ void add_apply(CLI::App& app, Action& action) {
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "The contact is that of a case, or without one that of each finger's own shape in MODEL\n"
-      "(sphere, capsule, cylinder, ellipsoid, mesh) at its pad: each finger has its own e_n. A "
-      "flat\n"
-      "pad, or a line on a plane, has no ellipse and is refused. e_n is constant, and exact at "
-      "the\n"
-      "nominal load. MuJoCo reads no friction from URDF and SDF: the lines to type are printed.\n"
+      "(sphere, capsule, cylinder, ellipsoid, box, mesh) at its pad: each finger has its own e_n, "
+      "which\n"
+      "is constant, and exact at the nominal load. A flat pad (a box's face, a cylinder's end, a "
+      "flat of\n"
+      "a mesh) gets no torsional friction: its corners' forces carry the torque, too much of it "
+      "unless\n"
+      "the shape is the one that is named (docs/flat_pads.md). A line on a plane is refused. "
+      "MuJoCo reads no friction from URDF and SDF: the lines to type are printed.\n"
       "What MJCF includes is read, and changed where the geom stands: by --in-place, or in the "
       "copy\n"
       "of all files that an --output folder gets; one --output file cannot hold such a change.\n"

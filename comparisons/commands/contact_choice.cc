@@ -85,6 +85,10 @@ input::Case read_contact_case(const ContactChoice& choice) {
   return read_case(typed_case);
 }
 
+exporting::LoadRange loads_of(const input::Case& contact_case, const ContactChoice& choice) {
+  return exporting::choose_loads(contact_case.loads_N, load_choice(choice));
+}
+
 exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
                                           const ContactChoice& choice) {
   return ask_contact_curve(contact_case, prediction::GeometryResolver(contact_case), choice);
@@ -94,7 +98,7 @@ exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
                                           const prediction::GeometryResolver& resolver,
                                           const ContactChoice& choice) {
   const PressureModel* const model = model_by_name(choice.model);
-  const auto loads = exporting::choose_loads(contact_case.loads_N, load_choice(choice));
+  const auto loads = loads_of(contact_case, choice);
   for (const std::string& line : resolver.remarks()) remark(line);
   return exporting::ask_contact_curve(contact_case, resolver, model, loads, choice.demand.demand());
 }

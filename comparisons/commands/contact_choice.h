@@ -32,6 +32,10 @@ void check_contact_choice(const ContactChoice& choice);
 /// @throws InputError as check_contact_choice, and for the case
 input::Case read_contact_case(const ContactChoice& choice);
 
+/// The nominal load and the range of a case.
+/// @throws InputError
+exporting::LoadRange loads_of(const input::Case& contact_case, const ContactChoice& choice);
+
 /// Remarks on meshes go to standard error.
 /// @throws InputError
 exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,

@@ -209,6 +209,20 @@ class Fingers {
     return best;
   }
 
+  /// The flat face on which the pad lies, if it does.
+  std::optional<exporting::FlatEnd> flat_end(const Found& found, const PadPlace& place) {
+    if (found.pad) {
+      if (!found.pad->is_flat()) return std::nullopt;
+      return exporting::flat_end(found.shape->kind, *found.pad);
+    }
+    const Isometry3d to_shape = found.shape->in_body.inverse();
+    std::optional<Vector3d> facing;
+    if (place.direction) facing = to_shape.linear() * *place.direction;
+    return exporting::flat_end_of_mesh(meshes_.read(std::get<NamedMesh>(found.shape->kind)).surface,
+                                       to_shape * place.point_m.value_or(found.point_in_body_m),
+                                       facing);
+  }
+
  private:
   /// @throws InputError where a typed point lies farther from the surface than 5 % of its size
   void require_near(const exporting::FingerParts& finger, const Found& found,
@@ -365,26 +379,36 @@ class Fingers {
   std::unordered_map<const exporting::XmlElement*, const RobotShape*> by_element_;
 };
 
-/// @throws InputError for a pad that touches a plane, or a sphere, in no ellipse
-void require_curved(const exporting::FingerParts& finger, const RobotShape& shape,
-                    const ShapePad& pad, const PadPlace& place, bool on_plane) {
-  if (!pad.is_flat() && !(pad.is_line() && on_plane)) return;
+/// @throws InputError for a flat pad on a round object, and for a line on a plane
+void require_known(const exporting::FingerParts& finger, const RobotShape& shape,
+                   const ShapePad& pad, const PadPlace& place, bool on_plane) {
+  if (!(pad.is_flat() && !on_plane) && !(pad.is_line() && on_plane)) return;
   const std::string subject = "the pad of " + in_quotes(finger.name) + ", " + pad.part + " (" +
                               in_words(shape) + ") " + place.words;
   if (pad.is_flat())
-    throw InputError(shape.element->where(),
-                     subject +
-                         ", is flat: it touches no plane in an ellipse, and flat pads are "
-                         "not known yet",
-                     "",
-                     "a curved part: another side by --pad, another geom by --finger, or a CASE "
-                     "with the radii of the soft pad that covers it");
+    throw InputError(shape.element->where(), subject + ", is flat", "",
+                     "no --object-radius-mm: a flat pad is known on a plane; or a curved part, by "
+                     "--pad");
   throw InputError(
       shape.element->where(), subject + ", touches a plane along a line, not in an ellipse", "",
       "another part by --pad" +
           std::string(std::holds_alternative<input::Capsule>(shape.kind) ? ", such as an end"
                                                                          : "") +
           ", a round object by --object-radius-mm, or a CASE with the pad's radii");
+}
+
+/// `{ pad_mm = [22, 37.5] }`
+std::string pad_toml(const input::FlatFigure& figure) {
+  if (const auto* rectangle = std::get_if<input::RectangleFigure>(&figure))
+    return fmt::format("{{ pad_mm = [{}, {}] }}", 1e3 * rectangle->length_m,
+                       1e3 * rectangle->width_m);
+  if (const auto* disc = std::get_if<input::DiscFigure>(&figure))
+    return fmt::format("{{ pad_diameter_mm = {} }}", 1e3 * disc->diameter_m);
+  std::string points;
+  for (const Eigen::Vector2d& point : std::get<input::OutlineFigure>(figure).points_m)
+    points +=
+        fmt::format("{}[{}, {}]", points.empty() ? "" : ", ", 1e3 * point.x(), 1e3 * point.y());
+  return "{ pad_outline_mm = [" + points + "] }";
 }
 
 std::string toml_number(double value) {
@@ -510,7 +534,7 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
     const PadPlace chosen = place == pads.end() ? geometry.guessed(finger, usable) : place->second;
     const auto found = geometry.find(finger, usable, chosen);
     const RobotShape& shape = *found.shape;
-    if (found.pad) require_curved(finger, shape, *found.pad, chosen, on_plane);
+    if (found.pad) require_known(finger, shape, *found.pad, chosen, on_plane);
     auto shaped = std::make_unique<ShapedFinger>();
     shaped->name = finger.name;
     shaped->shape = shape;
@@ -519,21 +543,36 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
     shaped->is_guessed = chosen.is_guessed;
     shaped->point_in_body_m = found.point_in_body_m;
     shaped->pad = found.pad;
+    const bool has_friction = !numbers.friction.empty();
+    const auto read_case = [&](const std::string& bodies) {
+      const std::string text = "id = \"finger\"\n[geometry]\n" + bodies +
+                               (has_friction ? "" : "[contact]\nfriction_coefficient = 1\n");
+      auto known = cases.find(text);
+      if (known == cases.end())
+        known = cases
+                    .emplace(text, input::parse_case(text, "command line", settings,
+                                                     input::FlatPads::taken))
+                    .first;
+      input::Case made = known->second;
+      made.id = input::id_of(finger.name);
+      if (made.id.empty()) made.id = "finger";
+      made.geometry_where = shape.element->where() + ": " + finger.name;
+      return made;
+    };
+    if (on_plane) shaped->flat = geometry.flat_end(found, chosen);
+    if (shaped->flat)
+      shaped->pad_case =
+          read_case("finger = " + pad_toml(shaped->flat->figure) + "\nobject = { flat = true }\n");
+    if (shaped->is_surely_flat()) {
+      result.push_back(std::move(shaped));
+      continue;
+    }
     const ShapePad pad = found.pad.value_or(ShapePad());
     const double long_mm = found.pad ? 1e3 * pad.major_radius_m : 10,
                  short_mm = found.pad ? 1e3 * pad.minor_radius_m : 10;
-    std::string text = fmt::format(
-        "id = \"finger\"\n[geometry]\nfinger = {{ radii_mm = [{}, {}] }}\nobject = {{ {} }}\n",
-        toml_number(long_mm), toml_number(short_mm), object);
-    const bool has_friction = !numbers.friction.empty();
-    if (!has_friction) text += "[contact]\nfriction_coefficient = 1\n";
-    auto known = cases.find(text);
-    if (known == cases.end())
-      known = cases.emplace(text, input::parse_case(text, "command line", settings)).first;
-    input::Case made = known->second;
-    made.id = input::id_of(finger.name);
-    if (made.id.empty()) made.id = "finger";
-    made.geometry_where = shape.element->where() + ": " + finger.name;
+    input::Case made =
+        read_case(fmt::format("finger = {{ radii_mm = [{}, {}] }}\nobject = {{ {} }}\n",
+                              toml_number(long_mm), toml_number(short_mm), object));
     if (const auto* named = std::get_if<NamedMesh>(&shape.kind)) {
       const RobotMeshes::Mesh& mesh = meshes.read(*named);
       const Isometry3d to_shape = shape.in_body.inverse();

@@ -69,10 +69,16 @@ struct ShapedFinger {
   Eigen::Vector3d point_in_body_m = Eigen::Vector3d::Zero();
   std::optional<exporting::ShapePad> pad;  ///< of a shape in closed form
   input::Case contact_case;
+  /// Where the pad lies on a flat face: the face and its case. A mesh may be flat for a file's
+  /// rounding only: there the case of its curvature counts, as long as it has an answer.
+  std::optional<exporting::FlatEnd> flat;
+  input::Case pad_case;
+
+  bool is_surely_flat() const { return pad && pad->is_flat(); }
 };
 
 /// @param choice  the numbers of layer, load and friction; it has no case and no radii
-/// @throws InputError where a pad is flat, or cannot be guessed, and for what is typed
+/// @throws InputError where a pad touches along a line, or cannot be guessed, and for what is typed
 std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
     const exporting::RobotShapes& shapes, const std::vector<exporting::FingerParts>& fingers,
     const ShapeChoice& typed, const ContactChoice& choice, RobotMeshes& meshes);

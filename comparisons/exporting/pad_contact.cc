@@ -50,17 +50,106 @@ PadContact ask_pad_contact(const input::Case& contact_case, double load_N,
   contact.normal_stiffness_N_per_m = made.answer.prediction.normal_stiffness_N_per_m;
   contact.origin = without_double_hyphens(
       fmt::format("{}, {}, {:g} N", contact_case.id, model.card().name, load_N));
+  double corner_m = 0;
+  for (const Eigen::Vector2d& vertex : pair.contact.vertices_m())
+    corner_m = std::max(corner_m, (vertex - pair.contact.centroid_m()).norm());
   PadProblem centred = made.answer.problem;
   centred.load_at_m.reset();
   const Eigen::Vector2d extent_m = pair.contact.extent_m();
   contact.face =
       PadFace{extent_m.x(),
               extent_m.y(),
+              pair.contact.area_m2(),
               contact_case.layer.thickness_m,
               model.predict(centred).eccentricity_m,
+              corner_m,
               uniform_eccentricity_m(pair.contact),
               uniform_eccentricity_m(ConvexOutline::rounded_rectangle(extent_m.x(), extent_m.y()))};
   return made;
+}
+
+ContactCurve pad_curve(const PadContact& made, const input::Case& contact_case,
+                       const LoadRange& loads) {
+  const prediction::PadAnswer& answer = made.answer;
+  ContactCurve curve;
+  curve.case_id = contact_case.id;
+  curve.model = answer.model->card().name;
+  curve.shear_law = contact_case.shear_law;
+  curve.normal_stiffness_N_per_m = made.contact.normal_stiffness_N_per_m;
+  LoadPoint& point = curve.nominal;
+  point.friction_coefficient = made.contact.friction_coefficient;
+  point.eccentricity_m = made.contact.eccentricity_m;
+  point.a_m = made.contact.face->length_m / 2;
+  point.b_m = made.contact.face->width_m / 2;
+  prediction::Assessment& assessment = point.assessment;
+  assessment.usable = assessment.determined = answer.usable;
+  assessment.evidence = answer.evidence;
+  if (answer.bound) {
+    assessment.bound = assessment.geometry = prediction::QuantityErrors{};
+    for (std::size_t q = 0; q < prediction::kQuantities; ++q)
+      (*assessment.bound)[q] = answer.bound_of(prediction::Quantity(q));
+  }
+  if (!answer.usable) curve.advice = point.reason = answer.evidence;
+  for (const double load_N : {loads.lowest_N, loads.nominal_N, loads.highest_N}) {
+    curve.points.push_back(point);
+    curve.points.back().load_N = load_N;
+    curve.points.back().indentation_m = made.contact.indentation_m * load_N / loads.nominal_N;
+  }
+  curve.nominal = curve.points[1];
+  return curve;
+}
+
+namespace {
+
+std::string numbers(const Eigen::Vector3d& values) {
+  return fmt::format("{:.6g} {:.6g} {:.6g}", values.x() + 0., values.y() + 0., values.z() + 0.);
+}
+
+}  // namespace
+
+CornerShape corner_shape(RobotFormat format, const RobotShape& shape, const FlatEnd& end,
+                         const PadFace& face) {
+  const bool is_mjcf = format == RobotFormat::mjcf, is_urdf = format == RobotFormat::urdf;
+  const double half = is_mjcf ? 1 : 2;
+  const auto own = [&](const char* kind, const char* name, const std::string& value) {
+    const char* const pattern =
+        is_mjcf || is_urdf ? "{}=\"{}\" of the {}" : "<{0}>{1}</{0}> of the {2}";
+    return CornerShape{fmt::format(fmt::runtime(pattern), name, value, kind), kind, name, value};
+  };
+  const auto [x_m, y_m] = face.corner_box_m();
+  const auto* cylinder = std::get_if<input::Cylinder>(&shape.kind);
+  const auto* box = std::get_if<input::Box>(&shape.kind);
+  const std::string radius = fmt::format("{:.6g}", face.eccentricity_m);
+  if (cylinder && is_mjcf)
+    return own("cylinder", "size", fmt::format("{} {:.6g}", radius, cylinder->length_m / 2));
+  if (cylinder) return own("cylinder", "radius", radius);
+  // MJCF's `fromto` gives a box other axes than its size.
+  if (box && !(is_mjcf && shape.element->attribute("fromto"))) {
+    int axis = 0;
+    end.in_shape.linear().col(2).cwiseAbs().maxCoeff(&axis);
+    Eigen::Vector3d size_m = box->size_m / 2;
+    size_m[(axis + 1) % 3] = x_m;
+    size_m[(axis + 2) % 3] = y_m;
+    return own("box", "size", numbers(half * size_m));
+  }
+  // A box as thick as the layer, its face where the pad's is.
+  Eigen::Isometry3d in_body = shape.in_body * end.in_shape;
+  in_body.translation() -= face.thickness_m / 2 * in_body.linear().col(2);
+  const std::string size = numbers(half * Eigen::Vector3d(x_m, y_m, face.thickness_m / 2)),
+                    at = numbers(in_body.translation());
+  CornerShape other;
+  if (is_mjcf) {
+    const Eigen::Quaterniond turn(in_body.linear());
+    other.words = fmt::format(R"(<geom type="box" size="{}" pos="{}" quat="{:.6g} {}"/>)", size, at,
+                              turn.w(), numbers(turn.vec()));
+    return other;
+  }
+  const Eigen::Vector3d angles = in_body.linear().eulerAngles(2, 1, 0).reverse();
+  const char* const pattern =
+      is_urdf ? R"(<origin xyz="{}" rpy="{}"/><geometry><box size="{}"/></geometry>)"
+              : "<pose>{} {}</pose><geometry><box><size>{}</size></box></geometry>";
+  other.words = fmt::format(fmt::runtime(pattern), at, numbers(angles), size);
+  return other;
 }
 
 }  // namespace softfinger::exporting

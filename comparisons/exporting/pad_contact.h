@@ -2,7 +2,11 @@
 
 #include <array>
 #include <memory>
+#include <string>
 
+#include "comparisons/exporting/contact_curve.h"
+#include "comparisons/exporting/robot_file.h"
+#include "comparisons/exporting/shape_pad.h"
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/input/case.h"
 #include "comparisons/prediction/pad_answer.h"
@@ -28,13 +32,27 @@ struct PadContact {
 PadContact ask_pad_contact(const input::Case& contact_case, double load_N,
                            const prediction::Demand& demand);
 
+/// The answer at the nominal load in the form of a curved contact's: e_n is one for all loads.
+ContactCurve pad_curve(const PadContact& made, const input::Case& contact_case,
+                       const LoadRange& loads);
+
+/// A robot's shape in place of a flat one, its corners or rim at e_n from the pad's middle.
+struct CornerShape {
+  std::string words;  ///< in the format's words: its size, or a box in place of what has no size
+  std::string kind;   ///< "box" or "cylinder", whose own size it is; empty: another shape
+  std::string name, value;  ///< of the size
+};
+/// @param end  of the shape
+CornerShape corner_shape(RobotFormat format, const RobotShape& shape, const FlatEnd& end,
+                         const PadFace& face);
+
 /// The first trap of every export of a pad.
 constexpr const char* kPadPoints =
     "take the box, or Drake's patch: four points at the corners hold torque and tilting by their "
     "forces (force and torque together 10 to 20 % below the friction ellipsoid, the pad itself up "
     "to 9 %); the box tips before the pad does. One point, a small sphere in the pad's middle, has "
     "the torque by the engine's law and does not hold against tilting. Never both: the pad's own "
-    "face as a box carries about twice the torque by its corners' forces alone, three times with "
-    "torsional friction";
+    "face as a box carries about twice the torque by its corners' forces alone, and torsional "
+    "friction adds to it";
 
 }  // namespace softfinger::exporting

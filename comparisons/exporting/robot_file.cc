@@ -315,6 +315,15 @@ std::string effect_of(const RobotContact& wanted) {
   return wanted.torque_error + "; " + wanted.force_error;
 }
 
+/// A flat pad touches at several points, whose forces alone carry a torque.
+double spin_of(const RobotContact& wanted) {
+  return wanted.contact.face ? 0 : wanted.contact.torque_per_load_m();
+}
+Value condim_of(const RobotContact& wanted) {
+  return wanted.contact.face ? Value{"condim", "3", "several points of a flat pad: no torque more"}
+                             : Value{"condim", "4", "a torque about the normal"};
+}
+
 /// A pair that the file defines has its own friction: that of the first finger in it.
 void change_pairs(XmlFile& file, const Mjcf& mjcf, const std::vector<Wanted>& fingers) {
   std::set<const XmlElement*> changed_pairs;
@@ -322,11 +331,11 @@ void change_pairs(XmlFile& file, const Mjcf& mjcf, const std::vector<Wanted>& fi
     for (const XmlElement* pair : mjcf.pairs(*geom)) {
       if (!changed_pairs.insert(pair).second) continue;
       const double mu = wanted->contact.friction_coefficient;
-      const double spin_m = wanted->contact.torque_per_load_m();
+      const double spin_m = spin_of(*wanted);
       const Rolling rolling(mjcf, *pair, 3, 2);
       WantedElement changed;
-      if (!rolling.has_any)
-        changed.attributes.push_back({"condim", "4", "a torque about the normal"});
+      if (!rolling.has_any || wanted->contact.face)
+        changed.attributes.push_back(condim_of(*wanted));
       changed.attributes.push_back({"friction",
                                     fmt::format("{0} {0} {1} {2} {3}", number(mu), number(spin_m),
                                                 rolling.numbers[0], rolling.numbers[1]),
@@ -372,6 +381,20 @@ void change_options(XmlFile& file, WantedElement& root) {
   if (!new_option.attributes.empty()) root.children.push_back(new_option);
 }
 
+constexpr const char* kCornerSize = "its corners lie at e_n from the middle";
+
+/// Sizes in URDF and SDF.
+void change_sizes(XmlFile& file, RobotFormat format, const std::vector<Wanted>& fingers) {
+  for (const auto& [finger, wanted] : fingers) {
+    if (!wanted->corner_size) continue;
+    const auto& [kind, name, value] = *wanted->corner_size;
+    const WantedElement size = format == RobotFormat::urdf
+                                   ? tag(kind, {{name, value, kCornerSize}})
+                                   : group(kind, {leaf(name, value, kCornerSize)});
+    file.change(*finger, group("collision", {group("geometry", {size})}));
+  }
+}
+
 std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
                                       const std::vector<Wanted>& fingers) {
   check_flags(mjcf);
@@ -382,11 +405,10 @@ std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
   for (const auto& [geom, contact] : fingers) {
     const RobotContact& wanted = *contact;
     const double mu = wanted.contact.friction_coefficient;
-    const double spin_m = wanted.contact.torque_per_load_m();
+    const double spin_m = spin_of(wanted);
     WantedElement changed;
     const Rolling rolling(mjcf, *geom, 2, 1);
-    if (!rolling.has_any)
-      changed.attributes.push_back({"condim", "4", "a torque about the normal"});
+    if (!rolling.has_any || wanted.contact.face) changed.attributes.push_back(condim_of(wanted));
     if (!(numeric(mjcf.value(*geom, "priority")) > other_priority))
       changed.attributes.push_back({"priority", std::to_string(other_priority + 1),
                                     mjcf.unread().empty()
@@ -408,6 +430,10 @@ std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
            stiffness});
       changed.attributes.push_back(
           {"solimp", fmt::format("{0} {0} 0.001", number(spring.impedance)), stiffness});
+    }
+    if (wanted.corner_size) {
+      const auto& [kind, name, value] = *wanted.corner_size;
+      changed.attributes.push_back({name, value, kCornerSize});
     }
     file.change(*geom, changed);
   }
@@ -455,15 +481,19 @@ std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
 /// <surface><friction> of Gazebo Classic.
 WantedElement gazebo_surface(const RobotContact& wanted, bool has_ode) {
   const std::string mu = number(wanted.contact.friction_coefficient);
+  const bool is_flat = wanted.contact.face.has_value();
   std::vector<WantedElement> friction;
   if (has_ode)
     friction.push_back(
         group("ode", {leaf("mu", mu, wanted.force_error), leaf("mu2", mu, wanted.force_error)}));
-  friction.push_back(group(
-      "torsional", {leaf("coefficient", mu, wanted.force_error),
-                    leaf("use_patch_radius", "true", "not the solver's penetration"),
-                    leaf("patch_radius", number(16 / (3 * kPi) * wanted.contact.eccentricity_m),
-                         wanted.torque_error)}));
+  if (is_flat)
+    friction.push_back(group("torsional", {leaf("coefficient", "0", wanted.torque_error)}));
+  else
+    friction.push_back(group(
+        "torsional", {leaf("coefficient", mu, wanted.force_error),
+                      leaf("use_patch_radius", "true", "not the solver's penetration"),
+                      leaf("patch_radius", number(16 / (3 * kPi) * wanted.contact.eccentricity_m),
+                           wanted.torque_error)}));
   return group("surface", {group("friction", friction)});
 }
 
@@ -492,7 +522,7 @@ void apply_bullet(XmlFile& file, RobotFormat format, const std::vector<Wanted>& 
   std::set<const XmlElement*> links;
   for (const auto& [finger, contact] : fingers) {
     const RobotContact& wanted = *contact;
-    const double spin_m = wanted.contact.torque_per_load_m();
+    const double spin_m = spin_of(wanted);
     if (!links.insert(finger->parent).second) continue;
     file.change(
         *finger->parent,
@@ -503,7 +533,9 @@ void apply_bullet(XmlFile& file, RobotFormat format, const std::vector<Wanted>& 
                       value_of(format, "spinning_friction", number(spin_m), wanted.torque_error),
                       // As simulators/bullet.cc.
                       value_of(format, "rolling_friction", fmt::format("{:.3g}", 1e-3 * spin_m),
-                               "rigid bodies have no spinning friction without it")})}));
+                               wanted.contact.face
+                                   ? "a flat pad needs none"
+                                   : "rigid bodies have no spinning friction without it")})}));
   }
 }
 
@@ -542,8 +574,15 @@ double depth_of(const XmlElement& collision) {
 void apply_drake(XmlFile& file, RobotFormat format, const std::vector<Wanted>& fingers) {
   for (const auto& [finger, contact] : fingers) {
     const RobotContact& wanted = *contact;
-    const Foundation foundation = foundation_with_eccentricity(
-        wanted.contact.radii, wanted.contact.load_N, wanted.contact.eccentricity_m);
+    const bool is_flat = wanted.contact.face.has_value();
+    const Foundation foundation =
+        is_flat ? Foundation()
+                : foundation_with_eccentricity(wanted.contact.radii, wanted.contact.load_N,
+                                               wanted.contact.eccentricity_m);
+    const double dPdd_N_per_m =
+        is_flat ? wanted.contact.normal_stiffness_N_per_m : foundation.normal_stiffness_N_per_m();
+    const double stiffness_Pa_per_m =
+        is_flat ? dPdd_N_per_m / wanted.contact.face->area_m2 : foundation.stiffness_Pa_per_m;
     const std::string mu = number(wanted.contact.friction_coefficient);
     const double depth_m = wanted.depth_m.value_or(depth_of(*finger));
     if (!(std::isfinite(depth_m) && depth_m > 0))
@@ -552,13 +591,13 @@ void apply_drake(XmlFile& file, RobotFormat format, const std::vector<Wanted>& f
     WantedElement properties = group(
         "drake:proximity_properties",
         {leaf("drake:compliant_hydroelastic", "", "point contact has no torque"),
-         value_of(format, "drake:hydroelastic_modulus",
-                  number(foundation.stiffness_Pa_per_m * depth_m),
+         value_of(format, "drake:hydroelastic_modulus", number(stiffness_Pa_per_m * depth_m),
                   fmt::format("{}; dP/dd {:.4g} N/mm, the model's {:.4g}", wanted.torque_error,
-                              1e-3 * foundation.normal_stiffness_N_per_m(),
-                              1e-3 * wanted.contact.normal_stiffness_N_per_m)),
-         value_of(format, "drake:mesh_resolution_hint", fmt::format("{:.3g}", foundation.b_m / 4),
-                  "a quarter of the contact's short semi-axis"),
+                              1e-3 * dPdd_N_per_m, 1e-3 * wanted.contact.normal_stiffness_N_per_m)),
+         value_of(
+             format, "drake:mesh_resolution_hint",
+             fmt::format("{:.3g}", is_flat ? wanted.contact.face->width_m / 8 : foundation.b_m / 4),
+             "a quarter of the contact's short semi-axis"),
          value_of(format, "drake:mu_static", mu, wanted.force_error),
          value_of(format, "drake:mu_dynamic", mu, wanted.force_error)});
     properties.removed = {"drake:rigid_hydroelastic"};
@@ -630,6 +669,7 @@ std::vector<std::string> apply_contact(XmlFile& file, const std::vector<std::str
         wanted.push_back({element, &contacts[std::min(i, contacts.size() - 1)]});
   const std::string name(simulator.name);
   if (name == "mujoco") return apply_mujoco(file, mjcf, wanted);
+  change_sizes(file, format, wanted);
   if (name == "bullet") apply_bullet(file, format, wanted);
   if (name == "gazebo") apply_gazebo(file, format, wanted);
   if (name == "drake") apply_drake(file, format, wanted);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ struct RobotContact {
   std::optional<double> effective_mass_kg;
   /// The contact of the plugin for MuJoCo (exporting/mujoco/softfinger_mujoco.h).
   std::optional<ContactProblem> plugin;
+  /// The size that a flat pad's shape should have: its kind, "box" or "cylinder", the size's name
+  /// and value; for a finger of one shape.
+  std::optional<std::array<std::string, 3>> corner_size;
   /// The depth of the fingertip's innermost point, for Drake only; empty: that of its shape.
   std::optional<double> depth_m;
 };

@@ -11,6 +11,7 @@
 
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/pads/convex_outline.h"
 
 namespace softfinger::exporting {
 namespace {
@@ -535,9 +536,10 @@ class Linter {
   std::vector<LintedNumber> result_;
 };
 
-/// The reach of a shape, the largest circle that it holds, and its smallest radius.
+/// The reach of a shape, the largest circle that it holds, its smallest radius, and the lever of
+/// uniform pressure on its largest face; 0: that of the circle.
 struct Extent {
-  double reach_m = 0, circle_m = 0, radius_m = 0;
+  double reach_m = 0, circle_m = 0, radius_m = 0, face_lever_m = 0;
 
   Extent operator()(const std::monostate&) const { return {}; }
   Extent operator()(const NamedMesh&) const { return {}; }
@@ -561,7 +563,12 @@ struct Extent {
     Vector3d size = box.size_m;
     std::sort(size.data(), size.data() + 3);
     // The circle has the area of the largest face.
-    return {std::hypot(size[1], size[2]) / 2, std::sqrt(size[1] * size[2] / kPi), size[0] / 2};
+    Extent extent{std::hypot(size[1], size[2]) / 2, std::sqrt(size[1] * size[2] / kPi),
+                  size[0] / 2};
+    if (!(size[1] > 0)) return extent;
+    const auto face = ConvexOutline::rounded_rectangle(size[2], size[1]);
+    extent.face_lever_m = face.radius_integral_m3(face.centroid_m()) / face.area_m2();
+    return extent;
   }
 };
 
@@ -590,8 +597,9 @@ std::optional<PadLimits> limits_of(const RobotShape& shape, const LintConditions
   PadLimits limits;
   limits.reach_m = extent.reach_m;
   limits.hertz_lever_m = 3 * kPi / 16 * hertz_m;
-  limits.uniform_lever_m = 2. / 3 * extent.circle_m;
-  limits.punch_lever_m = kPi / 4 * extent.circle_m;
+  limits.uniform_lever_m = std::max(2. / 3 * extent.circle_m, extent.face_lever_m);
+  // A round punch's lever over that of uniform pressure is taken for any face.
+  limits.punch_lever_m = 3 * kPi / 8 * limits.uniform_lever_m;
   limits.punch_stiffness_N_per_m = 2 * plane_modulus_Pa * extent.circle_m;
   return limits;
 }

@@ -39,9 +39,10 @@ struct LintConditions {
 struct PadLimits {
   double reach_m =
       0;  ///< no point of the shape's surface lies farther from the middle of a contact
-  double hertz_lever_m = 0;    ///< 3 pi/16 a of Hertz' circle, at the load, of the hardest pad
-  double uniform_lever_m = 0;  ///< 2/3 a, of the largest circle that the shape holds
-  double punch_lever_m = 0;    ///< pi/4 a, of a rigid flat punch of that circle
+  double hertz_lever_m = 0;  ///< 3 pi/16 a of Hertz' circle, at the load, of the hardest pad
+  /// 2/3 a, of the largest circle that the shape holds; of a box that of its largest face.
+  double uniform_lever_m = 0;
+  double punch_lever_m = 0;            ///< of a rigid flat punch: 3 pi/8 times the uniform one
   double punch_stiffness_N_per_m = 0;  ///< 2 E* a of that punch
 };
 

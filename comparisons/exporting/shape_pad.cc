@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparisons/prediction/flat_faces.h"
+
 namespace softfinger::exporting {
 namespace {
 
@@ -197,6 +199,43 @@ ShapePad pad_towards(const RobotShapeKind& kind, const Vector3d& direction) {
 
 ShapePad pad_near(const RobotShapeKind& kind, const Vector3d& point_m) {
   return std::visit(Near{point_m}, kind);
+}
+
+FlatEnd flat_end(const RobotShapeKind& kind, const ShapePad& pad) {
+  int axis = 0;
+  pad.normal.cwiseAbs().maxCoeff(&axis);
+  const int x_axis = (axis + 1) % 3;
+  FlatEnd end;
+  const Vector3d x = Vector3d::Unit(x_axis);
+  end.in_shape.linear() << x, pad.normal.cross(x), pad.normal;
+  end.in_shape.translation() = pad.normal.dot(pad.point_m) * pad.normal;
+  if (const auto* box = std::get_if<input::Box>(&kind))
+    end.figure = input::RectangleFigure{box->size_m[x_axis], box->size_m[(axis + 2) % 3], 0};
+  else
+    end.figure = input::DiscFigure{2 * std::get<input::Cylinder>(kind).radius_m};
+  return end;
+}
+
+std::optional<FlatEnd> flat_end_of_mesh(const TriangleSurface& surface, const Vector3d& point_m,
+                                        const std::optional<Vector3d>& facing) {
+  constexpr double kFacing = 0.7, kFilled = 0.9, kRectangular = 0.98;
+  auto faces = prediction::flat_faces(surface);
+  if (facing)
+    faces.erase(std::remove_if(faces.begin(), faces.end(),
+                               [&](const prediction::FlatFace& face) {
+                                 return face.normal.dot(*facing) < kFacing;
+                               }),
+                faces.end());
+  const prediction::FlatFace* face = prediction::face_at(surface, faces, point_m);
+  if (!face) return std::nullopt;
+  const prediction::FaceOutline outline = outline_of(surface, *face);
+  if (outline.filled < kFilled) return std::nullopt;
+  FlatEnd end{{}, outline.in_surface};
+  if (face->area_m2 > kRectangular * face->length_m * face->width_m)
+    end.figure = input::RectangleFigure{face->length_m, face->width_m, 0};
+  else
+    end.figure = input::OutlineFigure{outline.hull_m};
+  return end;
 }
 
 }  // namespace softfinger::exporting

@@ -1,10 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "comparisons/exporting/robot_shapes.h"
+#include "comparisons/input/pad.h"
+#include "softfinger/input/triangle_surface.h"
 
 /// The part of a shape that touches: its place, and its local radii in closed form.
 namespace softfinger::exporting {
@@ -30,5 +33,23 @@ ShapePad pad_towards(const RobotShapeKind& kind, const Eigen::Vector3d& directio
 
 /// The pad nearest to a point in the shape's axes.
 ShapePad pad_near(const RobotShapeKind& kind, const Eigen::Vector3d& point_m);
+
+/// A flat end of a shape as a pad.
+struct FlatEnd {
+  input::FlatFigure figure;
+  /// The figure's axes: its origin, and z outward.
+  Eigen::Isometry3d in_shape = Eigen::Isometry3d::Identity();
+};
+
+/// The whole face of a box or cylinder on which a flat pad lies.
+/// @param pad  flat, of this shape
+FlatEnd flat_end(const RobotShapeKind& kind, const ShapePad& pad);
+
+/// The flat face of a mesh on which a point lies; null where there is none, or where it has holes
+/// or hollows of more than a tenth of its area.
+/// @param facing  outward; empty: any
+std::optional<FlatEnd> flat_end_of_mesh(const TriangleSurface& surface,
+                                        const Eigen::Vector3d& point_m,
+                                        const std::optional<Eigen::Vector3d>& facing);
 
 }  // namespace softfinger::exporting

@@ -157,13 +157,17 @@ std::vector<Vector2d> hull_of(std::vector<Vector2d> points) {
   return hull;
 }
 
-/// Sides of the smallest rectangle around points, the longer one first: it lies along one of the
-/// hull's edges.
-std::array<double, 2> rectangle_of(const std::vector<Vector2d>& points) {
-  const std::vector<Vector2d> hull = hull_of(points);
+struct Rectangle {
+  Vector2d along = Vector2d::UnitX();  ///< the longer side
+  Vector2d middle = Vector2d::Zero();
+  double length = kInfinite, width = kInfinite;
+};
+
+/// The smallest rectangle around a convex polygon: it lies along one of the edges.
+Rectangle rectangle_of(const std::vector<Vector2d>& hull) {
   constexpr std::size_t kMostDirections = 500;
   const std::size_t step = 1 + hull.size() / kMostDirections;
-  std::array<double, 2> best{kInfinite, kInfinite};
+  Rectangle best;
   for (std::size_t i = 0; i < hull.size(); i += step) {
     const Vector2d along = (hull[(i + 1) % hull.size()] - hull[i]).normalized();
     Vector2d low = Vector2d::Constant(kInfinite), high = -low;
@@ -172,8 +176,10 @@ std::array<double, 2> rectangle_of(const std::vector<Vector2d>& points) {
       low = low.cwiseMin(turned);
       high = high.cwiseMax(turned);
     }
-    const Vector2d sides = high - low;
-    if (sides.prod() < best[0] * best[1]) best = {sides.maxCoeff(), sides.minCoeff()};
+    const Vector2d sides = high - low, centre = (low + high) / 2, across(-along.y(), along.x());
+    if (sides.prod() < best.length * best.width)
+      best = {sides.x() < sides.y() ? across : along, centre.x() * along + centre.y() * across,
+              sides.maxCoeff(), sides.minCoeff()};
   }
   return best;
 }
@@ -222,9 +228,9 @@ FlatFace described(const Facets& facets, std::vector<int> triangles, const Plane
     }
   }
   centre /= face.area_m2;
-  const auto sides = rectangle_of(points);
-  face.length_m = sides[0];
-  face.width_m = sides[1];
+  const Rectangle rectangle = rectangle_of(hull_of(points));
+  face.length_m = rectangle.length;
+  face.width_m = rectangle.width;
 
   // The roomiest of the face's centre and some of its facets' places.
   constexpr std::size_t kMostTried = 200, kMostEdges = 5000;
@@ -350,6 +356,29 @@ const FlatFace* face_at(const TriangleSurface& surface, const std::vector<FlatFa
     nearest = &face;
   }
   return nearest;
+}
+
+FaceOutline outline_of(const TriangleSurface& surface, const FlatFace& face) {
+  const Eigen::Matrix3d axes = surface_axes(face.normal);
+  std::vector<Vector2d> points;
+  for (const int f : face.triangles)
+    for (const int corner : surface.triangles[std::size_t(f)])
+      points.emplace_back(axes.leftCols<2>().transpose() *
+                          (surface.vertices_m[std::size_t(corner)] - face.middle_m));
+  const std::vector<Vector2d> hull = hull_of(points);
+  const Rectangle rectangle = rectangle_of(hull);
+  FaceOutline outline;
+  outline.in_surface.translation() = face.middle_m + axes.leftCols<2>() * rectangle.middle;
+  const Vector3d along = axes.leftCols<2>() * rectangle.along;
+  outline.in_surface.linear() << along, face.normal.cross(along), face.normal;
+  double area_m2 = 0;
+  for (std::size_t i = 0; i < hull.size(); ++i) {
+    const Vector2d from = hull[i] - rectangle.middle;
+    area_m2 += cross(from, hull[(i + 1) % hull.size()] - rectangle.middle) / 2;
+    outline.hull_m.emplace_back(rectangle.along.dot(from), cross(rectangle.along, from));
+  }
+  outline.filled = face.area_m2 / area_m2;
+  return outline;
 }
 
 std::string in_words(const FlatFace& face) {

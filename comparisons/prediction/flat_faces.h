@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +32,16 @@ std::vector<FlatFace> flat_faces(const TriangleSurface& surface);
 /// The one of `faces` on which the surface's point nearest to this one lies; null for none.
 const FlatFace* face_at(const TriangleSurface& surface, const std::vector<FlatFace>& faces,
                         const Eigen::Vector3d& point_m);
+
+/// A face as the outline of a pad.
+struct FaceOutline {
+  /// The origin lies in the middle of the smallest rectangle around the face, z points outward and
+  /// x along the rectangle's longer side.
+  Eigen::Isometry3d in_surface = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Vector2d> hull_m;  ///< convex, counter-clockwise
+  double filled = 0;                    ///< the face's area over its hull's
+};
+FaceOutline outline_of(const TriangleSurface& surface, const FlatFace& face);
 
 /// "flat, 22 x 37 mm: a pad", the shorter side first.
 std::string in_words(const FlatFace& face);

@@ -456,6 +456,177 @@ TEST_F(Apply, GivesEachFingerItsOwnNumbersInOneRun) {
   EXPECT_NE(run.err.find("ball: the pad is guessed towards -x"), std::string::npos) << run.err;
 }
 
+class ApplyPad : public Apply {
+ protected:
+  /// A pad of 22 x 37.5 mm as a box, the round end of a cylinder, and a mesh.
+  void SetUp() override {
+    folder.write("pads.xml",
+                 "<mujoco><asset><mesh name='m' file='block.stl'/></asset><worldbody><body "
+                 "name='jaw'>\n"
+                 "<geom name='box' type='box' size='.011 .004 .01875' condim='6' pos='0 0 1'/>\n"
+                 "<geom name='can' type='cylinder' size='.01 .02'/>\n"
+                 "<geom name='block' type='mesh' mesh='m' pos='.2 0 0' axisangle='1 0 0 90'/>\n"
+                 "</body></worldbody></mujoco>\n");
+    folder.write("block.stl", block_text());
+    folder.write("pad.urdf",
+                 "<robot name='r'><link name='tip'><collision><geometry>"
+                 "<box size='.022 .0375 .01'/></geometry></collision></link></robot>\n");
+  }
+  /// 22 x 37.5 x 10 mm
+  static std::string block_text() {
+    const double half_m[] = {0.011, 0.01875, 0.005};
+    std::string text = "solid block\n";
+    for (int axis = 0; axis < 3; ++axis)
+      for (const double side : {-1., 1.})
+        for (const double other : {-1., 1.}) {
+          // The corners of a triangle, outward by the right hand.
+          double corners[3][3];
+          const double turn[3][2] = {
+              {-1, -1}, {1, other > 0 ? -1. : 1.}, {other > 0 ? 1. : -1., 1}};
+          for (int c = 0; c < 3; ++c) {
+            const int at = side > 0 ? c : 2 - c;
+            corners[c][axis] = side * half_m[axis];
+            corners[c][(axis + 1) % 3] = turn[at][0] * half_m[(axis + 1) % 3];
+            corners[c][(axis + 2) % 3] = turn[at][1] * half_m[(axis + 2) % 3];
+          }
+          text += "facet normal 0 0 0\nouter loop\n";
+          for (const auto& corner : corners) {
+            char line[100];
+            std::snprintf(line, sizeof line, "vertex %g %g %g\n", corner[0], corner[1], corner[2]);
+            text += line;
+          }
+          text += "endloop\nendfacet\n";
+        }
+    return text + "endsolid\n";
+  }
+  ProgramRun apply_pad(const std::string& model, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"apply",      model, "--layer", "3,800,0.49",
+                                          "--friction", "0.9", "--load",  "20"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_softfinger(start, arguments);
+  }
+  json finger_of(const std::string& model, std::vector<std::string> more) {
+    more.emplace_back("--json");
+    const ProgramRun run = apply_pad(model, more);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return json::parse(run.out)["fingers"][0];
+  }
+  double eccentricity_m(const std::vector<std::string>& pad) {
+    std::vector<std::string> arguments = {
+        "predict", "--thickness-mm", "3",  "--youngs-modulus-kPa", "800", "--poisson-ratio",
+        "0.49",    "--load",         "20", "--friction",           "0.9", "--json"};
+    arguments.insert(arguments.end(), pad.begin(), pad.end());
+    return json::parse(run_softfinger(start, arguments).out)["results"][0]["eccentricity_m"];
+  }
+};
+
+TEST_F(ApplyPad, HasTheNumbersOfTheFaceItself) {
+  const double rectangle_m = eccentricity_m({"--pad-mm", "22,37.5"}),
+               disc_m = eccentricity_m({"--pad-diameter-mm", "20"});
+  const struct {
+    std::string model, finger, pad, to;
+    double expected_m, corner_m;
+  } pads[] = {
+      {"pads.xml", "box", "+y", "mujoco", rectangle_m, std::hypot(11e-3, 18.75e-3)},
+      {"pads.xml", "block", "-y", "mujoco", rectangle_m, std::hypot(11e-3, 18.75e-3)},
+      {"pads.xml", "block", "block:203,-5,2", "mujoco", rectangle_m, std::hypot(11e-3, 18.75e-3)},
+      {"pads.xml", "can", "-z", "mujoco", disc_m, 10e-3},
+      {"pad.urdf", "tip", "+z", "bullet", rectangle_m, std::hypot(11e-3, 18.75e-3)},
+      {"pad.urdf", "tip", "+z", "gazebo", rectangle_m, std::hypot(11e-3, 18.75e-3)}};
+  for (const auto& pad : pads) {
+    SCOPED_TRACE(pad.finger + " to " + pad.to);
+    const std::vector<std::string> words = {"--finger", pad.finger, "--pad",
+                                            pad.pad,    "--to",     pad.to};
+    const json finger = finger_of(pad.model, words);
+    EXPECT_EQ(finger["contact"], "patch");
+    EXPECT_TRUE(finger["relative_radii_m"].is_null());
+    // A mesh has single precision.
+    EXPECT_NEAR(finger["eccentricity_m"].get<double>() / pad.expected_m, 1, 1e-6);
+    std::vector<std::string> with_json = words;
+    with_json.emplace_back("--json");
+    const ProgramRun run = apply_pad(pad.model, with_json);
+    // Points at the corners carry the load there; a disc is a polygon of its area.
+    EXPECT_NEAR(json::parse(run.out)["worst_relative_error"].get<double>(),
+                pad.corner_m / pad.expected_m - 1, 0.01);
+    EXPECT_NE(run.err.find("too much torque"), std::string::npos) << run.err;
+    EXPECT_NE(run.err.find(finger["corner_shape"].get<std::string>()), std::string::npos);
+  }
+}
+
+TEST_F(ApplyPad, WritesNoTorsionalFriction) {
+  ASSERT_EQ(
+      apply_pad("pads.xml", {"--finger", "box", "--pad", "+y", "--to", "mujoco", "-o", "o.xml"})
+          .status,
+      0);
+  const std::string text = file_text(folder.path() / "o.xml");
+  EXPECT_NE(text.find("size='.011 .004 .01875' condim='3'"), std::string::npos) << text;
+  EXPECT_NE(text.find("friction=\"0.9 0 "), std::string::npos) << text;
+  ASSERT_EQ(
+      apply_pad("pad.urdf", {"--finger", "tip", "--pad", "+z", "--to", "bullet", "-o", "o.urdf"})
+          .status,
+      0);
+  EXPECT_NE(file_text(folder.path() / "o.urdf").find("<spinning_friction value=\"0\"/>"),
+            std::string::npos);
+}
+
+TEST_F(ApplyPad, ShrinksTheShapeUntilItsCornersHaveTheTorque) {
+  const double e_m = eccentricity_m({"--pad-mm", "22,37.5"}),
+               disc_m = eccentricity_m({"--pad-diameter-mm", "20"});
+  const json finger = finger_of("pads.xml", {"--finger", "box", "--pad", "+y", "--to", "mujoco",
+                                             "--shrink-pads", "-o", "o.xml"});
+  double x_m = 0, y_m = 0, z_m = 0;
+  const std::string text = file_text(folder.path() / "o.xml");
+  ASSERT_EQ(std::sscanf(text.c_str() + text.find("size="), "size='%lf %lf %lf'", &x_m, &y_m, &z_m),
+            3)
+      << text;
+  EXPECT_NEAR(std::hypot(x_m, z_m) / e_m, 1, 1e-5);
+  EXPECT_NEAR(x_m / z_m, 22 / 37.5, 1e-5);
+  EXPECT_EQ(y_m, 0.004) << "it is as thick as it was";
+  ASSERT_EQ(apply_pad("pads.xml", {"--finger", "can", "--pad", "+z", "--to", "mujoco",
+                                   "--shrink-pads", "-o", "o.xml"})
+                .status,
+            0);
+  const std::string round = file_text(folder.path() / "o.xml");
+  ASSERT_EQ(std::sscanf(round.c_str() + round.find("size=", round.find("can")), "size='%lf %lf'",
+                        &x_m, &y_m),
+            2);
+  EXPECT_NEAR(x_m / disc_m, 1, 1e-5);
+  EXPECT_EQ(y_m, 0.02);
+  // URDF has whole lengths.
+  ASSERT_EQ(apply_pad("pad.urdf", {"--finger", "tip", "--pad", "+z", "--to", "bullet",
+                                   "--shrink-pads", "-o", "o.urdf"})
+                .status,
+            0);
+  const std::string urdf = file_text(folder.path() / "o.urdf");
+  ASSERT_EQ(std::sscanf(urdf.c_str() + urdf.find("size="), "size='%lf %lf %lf'", &x_m, &y_m, &z_m),
+            3)
+      << urdf;
+  EXPECT_NEAR(std::hypot(x_m, y_m) / 2 / e_m, 1, 1e-5);
+  EXPECT_EQ(z_m, 0.01);
+  for (const std::vector<std::string>& refused : std::vector<std::vector<std::string>>{
+           {"pads.xml", "--finger", "block", "--pad", "-y", "--to", "mujoco"},
+           {"pads.xml", "--finger", "jaw", "--pad", "+y", "--to", "mujoco"},
+           {"pad.urdf", "--finger", "tip", "--pad", "+z", "--to", "drake"}}) {
+    std::vector<std::string> words(refused.begin() + 1, refused.end());
+    words.emplace_back("--shrink-pads");
+    const ProgramRun run = apply_pad(refused[0], words);
+    EXPECT_EQ(run.status, 2) << run.out;
+    EXPECT_EQ(lines(run.err).size(), 1u) << run.err;
+  }
+}
+
+TEST_F(ApplyPad, HasItsStiffnessInDrake) {
+  const json finger =
+      finger_of("pad.urdf", {"--finger", "tip", "--pad", "+z", "--to", "drake", "-o", "o.urdf"});
+  const std::string text = file_text(folder.path() / "o.urdf"),
+                    name = "hydroelastic_modulus value=\"";
+  const double modulus_Pa = std::atof(text.c_str() + text.find(name) + name.size());
+  // Pressure is modulus times depth over half the box's height, 5 mm, on the whole face.
+  EXPECT_NEAR(
+      modulus_Pa / 5e-3 * 22e-3 * 37.5e-3 / finger["normal_stiffness_N_per_m"].get<double>(), 1,
+      1e-5);
+}
+
 TEST_F(Apply, RefusesPadsWithoutAnEllipse) {
   folder.write("shapes.xml", kShapes);
   const auto refuse = [&](const std::vector<std::string>& more, const std::string& words) {
@@ -466,7 +637,9 @@ TEST_F(Apply, RefusesPadsWithoutAnEllipse) {
   };
   refuse({"--finger", "rod", "--pad", "+x"}, "shapes.xml:2: the pad of \"rod\", the side of");
   refuse({"--finger", "rod", "--pad", "+x"}, "--object-radius-mm");
-  refuse({"--finger", "brick", "--pad", "+z"}, "flat pads are not known yet");
+  refuse({"--finger", "brick", "--pad", "+z", "--object-radius-mm", "20"}, "no --object-radius-mm");
+  refuse({"--finger", "brick", "--pad", "+z", "--plugin"}, "none for a flat pad");
+  refuse({"--finger", "brick", "--pad", "+z", "--model", "bonded_layer"}, "none for a flat pad");
   refuse({"--finger", "can", "--pad", "+z", "--object-radius-mm", "20"}, "an end of the cylinder");
   refuse({"--finger", "can", "--pad", "+x"}, "along a line");
   refuse({"--finger", "floor"}, "a plane");

@@ -82,6 +82,18 @@ TEST_F(Lint, RefusesALeverLongerThanTheGeom) {
   EXPECT_NE(run.out.find("type: "), std::string::npos);
 }
 
+TEST_F(Lint, TakesAFlatFacesOwnOutline) {
+  // Uniform pressure on 22 x 37.5 mm has a lever of 11.62 mm, a rigid punch some 3 pi/8 times that;
+  // the circle of this area has 10.8 and 12.7 mm.
+  const auto verdict = [&](const std::string& friction) {
+    return results("a.xml", model("type='box' size='.011 .004 .01875' condim='4' friction='" +
+                                  friction + "'"))[1];
+  };
+  EXPECT_NEAR(verdict("1 .0135 .0001")["most"].get<double>(), 3 * M_PI / 8 * 11.62e-3, 1e-5);
+  EXPECT_EQ(verdict("1 .0135 .0001")["verdict"], "possible");
+  EXPECT_EQ(verdict("1 .0140 .0001")["verdict"], "doubtful");
+}
+
 TEST_F(Lint, KnowsMujocosRanges) {
   const auto verdicts = [&](const std::string& attributes, const std::string& rest = "") {
     std::string text;

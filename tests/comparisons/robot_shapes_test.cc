@@ -117,6 +117,51 @@ TEST(ShapePad, OfFlatFacesIsFlat) {
   EXPECT_NEAR(side.to_seam_m, 0.005, kRoundOff);
 }
 
+TEST(FlatEnd, HasTheFacesAxesAndSize) {
+  const input::Box box{{0.01, 0.02, 0.03}};
+  for (const Vector3d& normal : {Vector3d(0, -1, 0), Vector3d(0, 0, 1), Vector3d(-1, 0, 0)}) {
+    const exporting::FlatEnd end = exporting::flat_end(box, exporting::pad_near(box, 0.1 * normal));
+    EXPECT_NEAR(end.in_shape.linear().determinant(), 1, kRoundOff);
+    EXPECT_LT((end.in_shape.linear().col(2) - normal).norm(), kRoundOff);
+    EXPECT_LT(
+        (end.in_shape.translation() - normal.cwiseProduct(box.size_m) / 2).cwiseAbs().maxCoeff(),
+        kRoundOff);
+    const auto& figure = std::get<input::RectangleFigure>(end.figure);
+    // Half the sides along the figure's axes end on the box's edges.
+    const Vector3d corner = end.in_shape * Vector3d(figure.length_m / 2, figure.width_m / 2, 0);
+    EXPECT_LT((corner.cwiseAbs() - box.size_m / 2).norm(), kRoundOff);
+  }
+  const input::Cylinder can{0.01, 0.04};
+  const exporting::FlatEnd end =
+      exporting::flat_end(can, exporting::pad_near(can, Vector3d(0.001, 0, -0.021)));
+  EXPECT_EQ(std::get<input::DiscFigure>(end.figure).diameter_m, 0.02);
+  EXPECT_LT((end.in_shape.translation() - Vector3d(0, 0, -0.02)).norm(), kRoundOff);
+}
+
+TEST(FlatEnd, OfAMeshIsItsFaceAndNoFaceWithAHole) {
+  // A wedge: the face z = 0 is a right triangle of 30 x 40 mm, and 10 mm thick.
+  TriangleSurface wedge;
+  for (const double z : {0., 0.01})
+    for (const Vector3d& corner : {Vector3d(0, 0, 0), Vector3d(0.03, 0, 0), Vector3d(0, 0.04, 0)})
+      wedge.vertices_m.push_back(corner + z * Vector3d::UnitZ());
+  wedge.triangles = {{0, 2, 1}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3},
+                     {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}};
+  const Vector3d inside(0.01, 0.01, 0);
+  const auto end = exporting::flat_end_of_mesh(wedge, inside, -Vector3d::UnitZ());
+  ASSERT_TRUE(end);
+  const auto& points = std::get<input::OutlineFigure>(end->figure).points_m;
+  const auto outline = ConvexOutline::polygon(points);
+  EXPECT_NEAR(outline.area_m2(), 0.03 * 0.04 / 2, 1e-12);
+  // The outline's middle is the face's, in the mesh's axes.
+  const Eigen::Vector2d& middle = outline.centroid_m();
+  EXPECT_LT(
+      (end->in_shape * Vector3d(middle.x(), middle.y(), 0) - Vector3d(0.01, 0.04 / 3, 0)).norm(),
+      1e-9);
+  EXPECT_LT((end->in_shape.linear().col(2) + Vector3d::UnitZ()).norm(), 1e-9);
+  EXPECT_FALSE(exporting::flat_end_of_mesh(wedge, inside, Vector3d(Vector3d::UnitX())));
+  EXPECT_FALSE(exporting::flat_end_of_mesh(wedge, Vector3d(0.03, 0.04, 0), -Vector3d::UnitZ()));
+}
+
 TEST(RobotShapes, OfMjcfFollowDefaultsFramesAndAngles) {
   const XmlFile file(
       "<mujoco><compiler angle='degree' eulerseq='XYZ' meshdir='meshes'/>"

@@ -66,7 +66,8 @@ Lines pressed_lines(const SoftContact& contact) {
           "  <drake:mu_dynamic>{mu:.6g}</drake:mu_dynamic>\n"
           "</drake:proximity_properties>\n"
           "<!-- the object: <drake:rigid_hydroelastic/> and the same mu_static, mu_dynamic -->\n",
-          fmt::arg("origin", contact.origin), fmt::arg("error", 100 * box.own_face_error),
+          fmt::arg("origin", contact.origin),
+          fmt::arg("error", 100 * contact.face->error_of_pressure()),
           fmt::arg("e", contact.face->eccentricity_m),
           fmt::arg("stiffness", box.stiffness_Pa_per_m), fmt::arg("depth", depth_m),
           fmt::arg("x", 2 * x_m), fmt::arg("y", 2 * y_m), fmt::arg("z", contact.face->thickness_m),
@@ -76,7 +77,7 @@ Lines pressed_lines(const SoftContact& contact) {
        {"depth_m", depth_m},
        {"pressed_box_half_length_x_m", x_m},
        {"pressed_box_half_length_y_m", y_m},
-       {"own_face_torque_error", box.own_face_error},
+       {"own_face_torque_error", contact.face->error_of_pressure()},
        {"sliding_friction", contact.friction_coefficient}}};
 }
 

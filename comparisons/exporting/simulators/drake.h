@@ -34,8 +34,6 @@ Foundation foundation_with_indentation(const RelativeRadii& radii, double load_N
 struct PressedBox {
   std::array<double, 2> half_lengths_m{};
   double stiffness_Pa_per_m = 0;  ///< that gives the box the pad's dP/dd
-  /// Relative error of the torque on the pad's own face, in place of the box.
-  double own_face_error = 0;
 };
 
 inline PressedBox pressed_box(const SoftContact& contact) {
@@ -43,7 +41,6 @@ inline PressedBox pressed_box(const SoftContact& contact) {
   box.half_lengths_m = contact.face->pressed_box_m();
   const auto [x_m, y_m] = box.half_lengths_m;
   box.stiffness_Pa_per_m = contact.normal_stiffness_N_per_m / (4 * x_m * y_m);
-  box.own_face_error = contact.face->uniform_eccentricity_m / contact.face->eccentricity_m - 1;
   return box;
 }
 

@@ -45,8 +45,7 @@ Lines box_lines(const SoftContact& contact) {
           "  </default>\n"
           "</default>\n"
           "<!-- then, on the pad's geom, its z axis along the normal: class=\"soft_pad\" -->\n",
-          // With condim 3 the second number has no effect.
-          fmt::arg("friction", mujoco_friction(contact.friction_coefficient, 0.005)),
+          fmt::arg("friction", mujoco_friction(contact.friction_coefficient, 0)),
           fmt::arg("origin", contact.origin), fmt::arg("e", contact.face->eccentricity_m),
           fmt::arg("x", x_m), fmt::arg("y", y_m), fmt::arg("z", contact.face->thickness_m / 2)),
       {{"sliding_friction", contact.friction_coefficient},

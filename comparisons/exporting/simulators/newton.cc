@@ -43,13 +43,14 @@ Lines face_lines(const SoftContact& contact) {
       "{error:+.1f} %, this box has it:\n"
       "# cfg = newton.ModelBuilder.ShapeConfig(mu={mu:.6g}, is_hydroelastic=True, kh={kh:.6g})\n"
       "# builder.add_shape_box(finger, hx={x:.6g}, hy={y:.6g}, hz={z:.6g}, cfg=cfg)\n",
-      fmt::arg("error", 100 * box.own_face_error), fmt::arg("mu", contact.friction_coefficient),
-      fmt::arg("kh", box.stiffness_Pa_per_m), fmt::arg("x", x_m), fmt::arg("y", y_m),
-      fmt::arg("z", contact.face->thickness_m / 2));
-  made.values.insert(made.values.end(), {{"kh_N_per_m3", box.stiffness_Pa_per_m},
-                                         {"pressed_box_half_length_x_m", x_m},
-                                         {"pressed_box_half_length_y_m", y_m},
-                                         {"own_face_torque_error", box.own_face_error}});
+      fmt::arg("error", 100 * contact.face->error_of_pressure()),
+      fmt::arg("mu", contact.friction_coefficient), fmt::arg("kh", box.stiffness_Pa_per_m),
+      fmt::arg("x", x_m), fmt::arg("y", y_m), fmt::arg("z", contact.face->thickness_m / 2));
+  made.values.insert(made.values.end(),
+                     {{"kh_N_per_m3", box.stiffness_Pa_per_m},
+                      {"pressed_box_half_length_x_m", x_m},
+                      {"pressed_box_half_length_y_m", y_m},
+                      {"own_face_torque_error", contact.face->error_of_pressure()}});
   return made;
 }
 
