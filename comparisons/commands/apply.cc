@@ -397,23 +397,30 @@ FingerContact pad_contact_of(const ApplyOptions& options, const Simulator& simul
     finger.wanted.corner_size = {corners.kind, corners.name, corners.value};
     error = 0;
   }
+  // Joined shapes have corners within the pad, too.
+  const char* const up_to = shaped.flat->is_joined ? "up to " : "";
   finger.torque_errors.assign(finger.curve.points.size(), error);
   finger.force_errors.assign(finger.curve.points.size(), 0);
   finger.wanted.torque_error =
       options.shrink_pads
           ? "the torque is exact"
-          : fmt::format("{:+.0f} % of the torque, by {}", 100 * error,
+          : fmt::format("{}{:+.0f} % of the torque, by {}", up_to, 100 * error,
                         has_pressure ? "the uniform pressure" : "the forces at its corners");
   finger.wanted.force_error = range_of(finger.force_errors, finger.curve, "force");
   if (options.effective_mass_g > 0)
     finger.wanted.effective_mass_kg = 1e-3 * options.effective_mass_g;
   if (options.depth_mm > 0) finger.wanted.depth_m = 1e-3 * options.depth_mm;
   if (!has_pressure) finger.corner_shape = corners.words;
+  if (shaped.flush > 0)
+    remark(
+        fmt::format("{}: {} more of its shapes end in the plane of the pad, which is {} alone: "
+                    "together they touch over more, and hold more",
+                    text::shortened(shaped.name), shaped.flush, shaped.shape_words));
   if (!has_pressure && !options.shrink_pads)
     remark(
-        fmt::format("{}: flat: contact points at its own corners have {:.0f} % too much torque; "
+        fmt::format("{}: flat: contact points at its own corners have {}{:.0f} % too much torque; "
                     "exact is {}{}",
-                    text::shortened(shaped.name), 100 * error, corners.words,
+                    text::shortened(shaped.name), up_to, 100 * error, corners.words,
                     corners.kind.empty() ? "" : " (--shrink-pads)"));
   return finger;
 }

@@ -191,6 +191,7 @@ class Fingers {
     const RobotShape* shape = nullptr;
     std::optional<ShapePad> pad;
     Vector3d point_in_body_m = Vector3d::Zero();
+    std::vector<Found> flush;  ///< on other shapes that end in the same plane across a direction
   };
   Found find(const exporting::FingerParts& finger, const std::vector<const RobotShape*>& shapes,
              const PadPlace& place) {
@@ -201,7 +202,11 @@ class Fingers {
       // The farthest along the direction, or the nearest to the point.
       const double value = place.direction ? -place.direction->dot(found.point_in_body_m)
                                            : (found.point_in_body_m - *place.point_m).norm();
-      if (best.shape && value >= best_value) continue;
+      constexpr double kSamePlane_m = 1e-5;
+      const bool is_flush =
+          best.shape && place.direction && std::abs(value - best_value) < kSamePlane_m;
+      if (is_flush) best.flush.push_back(found);
+      if (best.shape && (is_flush || value >= best_value)) continue;
       best = found;
       best_value = value;
     }
@@ -213,7 +218,17 @@ class Fingers {
   std::optional<exporting::FlatEnd> flat_end(const Found& found, const PadPlace& place) {
     if (found.pad) {
       if (!found.pad->is_flat()) return std::nullopt;
-      return exporting::flat_end(found.shape->kind, *found.pad);
+      exporting::FlatEnd own = exporting::flat_end(found.shape->kind, *found.pad);
+      std::vector<exporting::FlatEnd> all = {own};
+      for (const Found& other : found.flush) {
+        if (!other.pad || !other.pad->is_flat()) return own;
+        all.push_back(exporting::flat_end(other.shape->kind, *other.pad));
+        all.back().in_shape =
+            found.shape->in_body.inverse() * other.shape->in_body * all.back().in_shape;
+      }
+      if (all.size() > 1)
+        if (const auto together = exporting::joined(all)) return together;
+      return own;
     }
     const Isometry3d to_shape = found.shape->in_body.inverse();
     std::optional<Vector3d> facing;
@@ -560,6 +575,12 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
       return made;
     };
     if (on_plane) shaped->flat = geometry.flat_end(found, chosen);
+    const bool is_joined = shaped->flat && shaped->flat->is_joined;
+    shaped->flush = is_joined ? 0 : found.flush.size();
+    if (is_joined) {
+      shaped->shape_words += fmt::format(" and {} beside it", found.flush.size());
+      shaped->point_in_body_m = shape.in_body * shaped->flat->in_shape.translation();
+    }
     if (shaped->flat)
       shaped->pad_case =
           read_case("finger = " + pad_toml(shaped->flat->figure) + "\nobject = { flat = true }\n");

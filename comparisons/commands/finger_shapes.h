@@ -69,10 +69,11 @@ struct ShapedFinger {
   Eigen::Vector3d point_in_body_m = Eigen::Vector3d::Zero();
   std::optional<exporting::ShapePad> pad;  ///< of a shape in closed form
   input::Case contact_case;
-  /// Where the pad lies on a flat face: the face and its case. A mesh may be flat for a file's
+  /// The flat face on which the pad lies, if any, and its case. A mesh may be flat for a file's
   /// rounding only: there the case of its curvature counts, as long as it has an answer.
   std::optional<exporting::FlatEnd> flat;
   input::Case pad_case;
+  std::size_t flush = 0;  ///< other shapes of the finger that end in the pad's plane
 
   bool is_surely_flat() const { return pad && pad->is_flat(); }
 };

@@ -124,7 +124,7 @@ CornerShape corner_shape(RobotFormat format, const RobotShape& shape, const Flat
     return own("cylinder", "size", fmt::format("{} {:.6g}", radius, cylinder->length_m / 2));
   if (cylinder) return own("cylinder", "radius", radius);
   // MJCF's `fromto` gives a box other axes than its size.
-  if (box && !(is_mjcf && shape.element->attribute("fromto"))) {
+  if (box && !end.is_joined && !(is_mjcf && shape.element->attribute("fromto"))) {
     int axis = 0;
     end.in_shape.linear().col(2).cwiseAbs().maxCoeff(&axis);
     Eigen::Vector3d size_m = box->size_m / 2;

@@ -216,9 +216,22 @@ FlatEnd flat_end(const RobotShapeKind& kind, const ShapePad& pad) {
   return end;
 }
 
+namespace {
+
+std::optional<FlatEnd> flat_end(const prediction::FaceOutline& outline) {
+  constexpr double kFilled = 0.9;
+  if (outline.filled < kFilled) return std::nullopt;
+  FlatEnd end{input::OutlineFigure{outline.hull_m}, outline.in_surface};
+  if (outline.is_rectangle())
+    end.figure = input::RectangleFigure{outline.length_m, outline.width_m, 0};
+  return end;
+}
+
+}  // namespace
+
 std::optional<FlatEnd> flat_end_of_mesh(const TriangleSurface& surface, const Vector3d& point_m,
                                         const std::optional<Vector3d>& facing) {
-  constexpr double kFacing = 0.7, kFilled = 0.9, kRectangular = 0.98;
+  constexpr double kFacing = 0.7;
   auto faces = prediction::flat_faces(surface);
   if (facing)
     faces.erase(std::remove_if(faces.begin(), faces.end(),
@@ -228,13 +241,24 @@ std::optional<FlatEnd> flat_end_of_mesh(const TriangleSurface& surface, const Ve
                 faces.end());
   const prediction::FlatFace* face = prediction::face_at(surface, faces, point_m);
   if (!face) return std::nullopt;
-  const prediction::FaceOutline outline = outline_of(surface, *face);
-  if (outline.filled < kFilled) return std::nullopt;
-  FlatEnd end{{}, outline.in_surface};
-  if (face->area_m2 > kRectangular * face->length_m * face->width_m)
-    end.figure = input::RectangleFigure{face->length_m, face->width_m, 0};
-  else
-    end.figure = input::OutlineFigure{outline.hull_m};
+  return flat_end(outline_of(surface, *face));
+}
+
+std::optional<FlatEnd> joined(const std::vector<FlatEnd>& ends) {
+  std::vector<Vector3d> corners_m;
+  double area_m2 = 0;
+  for (const FlatEnd& end : ends) {
+    const auto* rectangle = std::get_if<input::RectangleFigure>(&end.figure);
+    if (!rectangle) return std::nullopt;
+    area_m2 += rectangle->length_m * rectangle->width_m;
+    for (const double x : {-0.5, 0.5})
+      for (const double y : {-0.5, 0.5})
+        corners_m.push_back(end.in_shape *
+                            Vector3d(x * rectangle->length_m, y * rectangle->width_m, 0));
+  }
+  auto end =
+      flat_end(prediction::outline_of(corners_m, ends.front().in_shape.linear().col(2), area_m2));
+  if (end) end->is_joined = true;
   return end;
 }
 

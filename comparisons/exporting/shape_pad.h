@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "comparisons/exporting/robot_shapes.h"
 #include "comparisons/input/pad.h"
@@ -39,7 +40,12 @@ struct FlatEnd {
   input::FlatFigure figure;
   /// The figure's axes: its origin, and z outward.
   Eigen::Isometry3d in_shape = Eigen::Isometry3d::Identity();
+  bool is_joined = false;  ///< of several shapes
 };
+
+/// Faces of boxes in one plane, in the axes of one of them, as one pad; null where they leave more
+/// than a tenth of their hull open.
+std::optional<FlatEnd> joined(const std::vector<FlatEnd>& ends);
 
 /// The whole face of a box or cylinder on which a flat pad lies.
 /// @param pad  flat, of this shape

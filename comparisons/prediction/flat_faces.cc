@@ -358,27 +358,44 @@ const FlatFace* face_at(const TriangleSurface& surface, const std::vector<FlatFa
   return nearest;
 }
 
-FaceOutline outline_of(const TriangleSurface& surface, const FlatFace& face) {
-  const Eigen::Matrix3d axes = surface_axes(face.normal);
+bool FaceOutline::is_rectangle() const {
+  constexpr double kRectangular = 0.98;
+  double area_m2 = 0;
+  for (std::size_t i = 0; i < hull_m.size(); ++i)
+    area_m2 += cross(hull_m[i], hull_m[(i + 1) % hull_m.size()]) / 2;
+  return area_m2 > kRectangular * length_m * width_m;
+}
+
+FaceOutline outline_of(const std::vector<Vector3d>& points_m, const Vector3d& normal,
+                       double area_m2) {
+  const Eigen::Matrix3d axes = surface_axes(normal);
   std::vector<Vector2d> points;
-  for (const int f : face.triangles)
-    for (const int corner : surface.triangles[std::size_t(f)])
-      points.emplace_back(axes.leftCols<2>().transpose() *
-                          (surface.vertices_m[std::size_t(corner)] - face.middle_m));
+  for (const Vector3d& point_m : points_m)
+    points.emplace_back(axes.leftCols<2>().transpose() * (point_m - points_m.front()));
   const std::vector<Vector2d> hull = hull_of(points);
   const Rectangle rectangle = rectangle_of(hull);
   FaceOutline outline;
-  outline.in_surface.translation() = face.middle_m + axes.leftCols<2>() * rectangle.middle;
+  outline.length_m = rectangle.length;
+  outline.width_m = rectangle.width;
+  outline.in_surface.translation() = points_m.front() + axes.leftCols<2>() * rectangle.middle;
   const Vector3d along = axes.leftCols<2>() * rectangle.along;
-  outline.in_surface.linear() << along, face.normal.cross(along), face.normal;
-  double area_m2 = 0;
+  outline.in_surface.linear() << along, normal.cross(along), normal;
+  double hull_area_m2 = 0;
   for (std::size_t i = 0; i < hull.size(); ++i) {
     const Vector2d from = hull[i] - rectangle.middle;
-    area_m2 += cross(from, hull[(i + 1) % hull.size()] - rectangle.middle) / 2;
+    hull_area_m2 += cross(from, hull[(i + 1) % hull.size()] - rectangle.middle) / 2;
     outline.hull_m.emplace_back(rectangle.along.dot(from), cross(rectangle.along, from));
   }
-  outline.filled = face.area_m2 / area_m2;
+  outline.filled = area_m2 / hull_area_m2;
   return outline;
+}
+
+FaceOutline outline_of(const TriangleSurface& surface, const FlatFace& face) {
+  std::vector<Vector3d> points_m = {face.middle_m};
+  for (const int f : face.triangles)
+    for (const int corner : surface.triangles[std::size_t(f)])
+      points_m.push_back(surface.vertices_m[std::size_t(corner)]);
+  return outline_of(points_m, face.normal, face.area_m2);
 }
 
 std::string in_words(const FlatFace& face) {

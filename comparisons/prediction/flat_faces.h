@@ -39,9 +39,16 @@ struct FaceOutline {
   /// x along the rectangle's longer side.
   Eigen::Isometry3d in_surface = Eigen::Isometry3d::Identity();
   std::vector<Eigen::Vector2d> hull_m;  ///< convex, counter-clockwise
+  double length_m = 0, width_m = 0;     ///< of that rectangle
   double filled = 0;                    ///< the face's area over its hull's
+
+  bool is_rectangle() const;
 };
 FaceOutline outline_of(const TriangleSurface& surface, const FlatFace& face);
+/// @param points_m  corners of faces in one plane
+/// @param area_m2   of these faces together
+FaceOutline outline_of(const std::vector<Eigen::Vector3d>& points_m, const Eigen::Vector3d& normal,
+                       double area_m2);
 
 /// "flat, 22 x 37 mm: a pad", the shorter side first.
 std::string in_words(const FlatFace& face);

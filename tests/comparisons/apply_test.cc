@@ -553,6 +553,34 @@ TEST_F(ApplyPad, HasTheNumbersOfTheFaceItself) {
   }
 }
 
+TEST_F(ApplyPad, JoinsBoxesInOnePlane) {
+  // Two boxes of 22 x 18.75 mm side by side; then with a gap as wide as one of them.
+  const auto answer = [&](const char* finger, const char* height) {
+    folder.write("two.xml",
+                 "<mujoco><worldbody><body name='jaw'>"
+                 "<geom name='low' type='box' size='.011 .004 .009375' pos='0 0 -.009375'/>"
+                 "<geom name='high' type='box' size='.011 .004 .009375' pos='0 0 " +
+                     std::string(height) + "'/></body></worldbody></mujoco>");
+    return apply_pad("two.xml", {"--finger", finger, "--pad", "+y", "--to", "mujoco", "--json"});
+  };
+  const double rectangle_m = eccentricity_m({"--pad-mm", "22,37.5"}),
+               half_m = eccentricity_m({"--pad-mm", "22,18.75"});
+  const auto eccentricity_of = [](const ProgramRun& run) {
+    return json::parse(run.out)["fingers"][0]["eccentricity_m"].get<double>();
+  };
+  const ProgramRun together = answer("jaw", ".009375");
+  EXPECT_NEAR(eccentricity_of(together) / rectangle_m, 1, 1e-6);
+  EXPECT_EQ(together.err.find("more of its shapes"), std::string::npos) << together.err;
+  const json finger = json::parse(together.out)["fingers"][0];
+  EXPECT_NE(finger["corner_shape"].get<std::string>().find("<geom type=\"box\""),
+            std::string::npos);
+  EXPECT_NEAR(finger["pad_in_body_m"][2].get<double>(), 0, 1e-12);
+  EXPECT_NEAR(eccentricity_of(answer("low", ".009375")) / half_m, 1, 1e-6);
+  const ProgramRun apart = answer("jaw", ".028125");
+  EXPECT_NEAR(eccentricity_of(apart) / half_m, 1, 1e-6);
+  EXPECT_NE(apart.err.find("1 more of its shapes"), std::string::npos) << apart.err;
+}
+
 TEST_F(ApplyPad, WritesNoTorsionalFriction) {
   ASSERT_EQ(
       apply_pad("pads.xml", {"--finger", "box", "--pad", "+y", "--to", "mujoco", "-o", "o.xml"})
