@@ -26,6 +26,7 @@ from ._fem import FemResult, fem
 from ._friction import FrictionEllipsoid, LimitSurface, ShearSurface
 from ._geometry import Gap, QuadricFit, fit, gap_between, weld
 from ._gradient import Derivatives, PredictionWithGradient, predict_with_gradient
+from ._pads import FlatPad, PadPrediction
 from ._predict import Check, ModelCard, Prediction, checks, models, predict, pressure_Pa
 from ._scene import Scene, SceneContact, simulate
 from ._simulation import (
@@ -56,6 +57,7 @@ __all__ = [
     "Errors",
     "Estimate",
     "FemResult",
+    "FlatPad",
     "FrictionEllipsoid",
     "Gap",
     "Goodness",
@@ -68,6 +70,7 @@ __all__ = [
     "NextMeasurement",
     "NoAnswer",
     "Outlier",
+    "PadPrediction",
     "Prediction",
     "PredictionWithGradient",
     "ProgramError",

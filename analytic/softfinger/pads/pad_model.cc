@@ -1,5 +1,6 @@
 #include "softfinger/pads/pad_model.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
