@@ -496,7 +496,7 @@ double waviness(const Facets& facets, const Eigen::VectorXd& left_over,
     }
   }
   constexpr double kUsual = 0.3;  // from there on it is no chance
-  constexpr double kWaves = 15;   // as many as there are terms up to the fourth order
+  constexpr double kWaves = 2;    // a seam between two curvatures leaves as few across a region
   const double correlation = squares > 0 ? together / squares : 0;
   const double wavy = std::clamp((correlation - kUsual) / (1 - kUsual), 0.0, 1.0);
   return 1 + wavy * std::max(0.0, double((weights.array() > 0).count()) / kWaves - 1);

@@ -17,7 +17,7 @@ using exporting::XmlFile;
 
 RobotContact wanted_contact() {
   RobotContact wanted;
-  wanted.contact = {0.8, 2, 1e-3, 2e-4, 1e4, {0.02, 0.01, 0}, "fuzzed"};
+  wanted.contact = {0.8, 2, 1e-3, 2e-4, 1e4, {0.02, 0.01, 0}, std::nullopt, "fuzzed"};
   wanted.torque_error = "torque";
   wanted.force_error = "force";
   return wanted;
