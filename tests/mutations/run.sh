@@ -53,7 +53,8 @@ cmake --preset release -DSOFTFINGER_BUILD_TESTS=ON -DCMAKE_UNITY_BUILD=OFF >/dev
 
 # A test that fails anyway would notice every mutation.
 for program in $(awk -v part="$part" 'NR % 5 == 1 { file = $0 } NR % 5 == 4 && index(file, part)' "$mutations" | sort -u); do
-  cmake --build --preset release --target "$program" >"$work/build.log"
+  cmake --build --preset release --target "$program" >"$work/build.log" 2>&1 ||
+    { echo "$program does not compile without unity builds: $work/build.log" >&2; exit 1; }
   "build/release/bin/$program" --gtest_brief=1 >"$work/test.log" ||
     { echo "$program fails without a mutation: $work/test.log" >&2; exit 1; }
 done
