@@ -142,7 +142,8 @@ std::string render_page(const Results& results) {
       "<i>held</i> and <i>stack</i>, where the truth is 0: how far a body moved and turned in a "
       "minute, and how far a box of the stack sank into those below in the second before it. All "
       "engines have steps of 1 ms, 2 ms in "
-      "<i>stack</i>, and their own default solver and iterations unless stated.</p>\n";
+      "<i>stack</i>, and their own default solver and iterations unless stated. Who is told mu e_n "
+      "has that of the nominal load, and a pad is a box whose corners lie at e_n.</p>\n";
   std::string bounds;
   for (const TruthBound& truth : bounds_of_the_truth())
     bounds += fmt::format("{}{} at {:.3g} N", bounds.empty() ? "" : ", ",

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/commands/commands.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/pad_answer.h"
 #include "comparisons/reference/pad_elements.h"

@@ -12,6 +12,7 @@
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/friction/friction_shape.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::simulation {
 namespace {

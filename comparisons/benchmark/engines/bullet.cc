@@ -104,13 +104,10 @@ Motion run(const Scene& scene) {
 }  // namespace
 
 std::vector<Engine> bullet_engines() {
-  return {
-      {"bullet_exported",
-       fmt::format("Bullet {}.{}, lines of softfinger export", btGetVersion() / 100,
-                   btGetVersion() % 100),
-       "mu and mu e_n at the nominal load; flat pads as boxes with corners at e_n; rigid bodies, "
-       "10 iterations, single precision",
-       run}};
+  return {{"bullet_exported",
+           fmt::format("Bullet {}.{}, lines of softfinger export", btGetVersion() / 100,
+                       btGetVersion() % 100),
+           "mu, mu e_n, pads as boxes; 10 iterations, single precision", run}};
 }
 
 }  // namespace softfinger::benchmark

@@ -155,11 +155,10 @@ std::vector<Engine> mujoco_engines() {
        "mu; condim 3 without torsional friction, pyramidal cone",
        [](const Scene& scene) { return run(scene, Kind::standard); }},
       {"mujoco_recommended", version + ", recommended for grasping",
-       "mu; elliptic cone, impratio 10, condim 4 with the default torsional friction of 5 mm",
+       "mu; elliptic cone, impratio 10, condim 4: torsional friction of 5 mm",
        [](const Scene& scene) { return run(scene, Kind::recommended); }},
       {"mujoco_exported", version + ", lines of softfinger export",
-       "mu and mu e_n at the nominal load; flat pads as boxes with corners at e_n; elliptic cone, "
-       "impratio 10, noslip_iterations 5",
+       "mu, mu e_n, pads as boxes; elliptic cone, impratio 10, noslip 5",
        [](const Scene& scene) { return run(scene, Kind::exported); }}};
 #ifdef SOFTFINGER_MUJOCO_PLUGIN
   engines.push_back({"mujoco_plugin", version + ", libsoftfinger_mujoco",

@@ -106,12 +106,10 @@ Motion run(const Scene& scene, bool is_soft) {
 }  // namespace
 
 std::vector<Engine> softfinger_engines() {
-  return {{"softfinger", "softfinger simulate",
-           "layer and shapes; e_n(P) by fingertip_layer, in the same step as P; flat pads by "
-           "pad_layer",
+  return {{"softfinger", "softfinger simulate", "layer and shapes; e_n(P) in the same step as P",
            [](const Scene& scene) { return run(scene, true); }},
           {"softfinger_rigid", "softfinger simulate, rigid",
-           "as if nothing were soft: points without torque, four at the corners of a face",
+           "mu; points without torque, four at the corners of a face",
            [](const Scene& scene) { return run(scene, false); }}};
 }
 
