@@ -23,7 +23,8 @@ function exported(name) {
   const made = JSON.parse(ask('export', name, '--to', 'mujoco', '--json', '--force'));
   const predicted = JSON.parse(
     ask('predict', name, '--model', made.model, '--set', `contact.load_N=${made.load_N}`, '--json'));
-  return {lines: made.lines, load_N: made.load_N, torque_Nm: predicted.results[0].max_torque_Nm};
+  const {contact, max_torque_Nm} = predicted.results[0];
+  return {lines: made.lines, load_N: made.load_N, torque_Nm: max_torque_Nm, isPad: contact === 'patch'};
 }
 
 const mass_kg = 0.02, radius_m = 0.02, timeStep_s = 1e-3;
@@ -119,7 +120,8 @@ const tests = {
     const cases = ask('list', 'cases').match(/^ *[a-z0-9_]+(?= )/gm).map(name => name.trim());
     expect(cases.length >= 20, `softfinger list cases names ${cases.length} cases`);
     for (const name of cases) {
-      const {lines, load_N, torque_Nm} = exported(name);
+      const {lines, load_N, torque_Nm, isPad} = exported(name);
+      if (isPad) continue;  // a pad's torque would spin this ball away: see APadHoldsByABoxOrByOnePoint
       const xml = world(lines, [...sideways, ...upAndRound]);
       const held = twist(mujoco, xml, load_N, 0.97 * torque_Nm), slipping = twist(mujoco, xml, load_N, 1.03 * torque_Nm);
       // Without friction it would turn at torque/inertia times a second.

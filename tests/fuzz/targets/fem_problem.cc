@@ -3,9 +3,12 @@
 #include "comparisons/reference/fem_problem.h"
 
 #include <memory>
+#include <variant>
 
 #include "comparisons/input/case.h"
 #include "comparisons/prediction/local_geometry.h"
+#include "comparisons/reference/pad_elements.h"
+#include "fem/program/read_pad.h"
 #include "fem/program/read_problem.h"
 #include "meshes/generation/layer_mesh.h"
 #include "softfinger/input/errors.h"
@@ -30,13 +33,20 @@ const fem::MeshReaders& mesh_readers() {
   return readers;
 }
 
+void read_one(const nlohmann::json& problem) {
+  if (fem::is_pad(problem))
+    fem::read_pad(problem);
+  else
+    fem::read_problem(problem, mesh_readers());
+}
+
 bool read(std::string_view bytes) {
   try {
     const nlohmann::json problems = fem::parse_problems(std::string(bytes), "fuzzed.json");
     if (problems.is_array())
-      for (const nlohmann::json& problem : problems) fem::read_problem(problem, mesh_readers());
+      for (const nlohmann::json& problem : problems) read_one(problem);
     else
-      fem::read_problem(problems, mesh_readers());
+      read_one(problems);
     return true;
   } catch (const InputError&) {
     return false;
@@ -51,6 +61,10 @@ std::vector<std::string> seeds() {
     if (text.find("mesh") != std::string::npos || contact_case.object_layer.thickness_m > 0)
       continue;
     const double load_N = contact_case.loads_N.front();
+    if (std::holds_alternative<input::PadPair>(contact_case.geometry)) {
+      texts.push_back(reference::pad_problem(contact_case, load_N, 1, 0).dump(1));
+      continue;
+    }
     const prediction::LocalGeometry geometry =
         prediction::GeometryResolver(contact_case).resolve(load_N);
     texts.push_back(to_json(reference::fem_problem(contact_case, geometry, load_N, 2)).dump(1));
