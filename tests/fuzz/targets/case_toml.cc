@@ -9,7 +9,7 @@ namespace {
 
 bool read(std::string_view bytes) {
   try {
-    input::parse_case(std::string(bytes), "fuzzed.toml");
+    input::parse_case(std::string(bytes), "fuzzed.toml", {}, input::FlatPads::taken);
     return true;
   } catch (const InputError&) {
     return false;

@@ -57,7 +57,8 @@ bool read(std::string_view bytes) {
 std::vector<std::string> seeds() {
   std::vector<std::string> texts;
   for (const std::string& text : texts_of(SOFTFINGER_CASES, ".toml")) {
-    const input::Case contact_case = input::parse_case(text, "seed.toml");
+    const input::Case contact_case =
+        input::parse_case(text, "seed.toml", {}, input::FlatPads::taken);
     if (text.find("mesh") != std::string::npos || contact_case.object_layer.thickness_m > 0)
       continue;
     const double load_N = contact_case.loads_N.front();
