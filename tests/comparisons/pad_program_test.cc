@@ -452,7 +452,8 @@ TEST_F(FlatPad, TellsAControllerHowFarThePressureMayMove) {
                 plain["results"][0]["tilt_limit_Nm"][1 - axis].get<double>() / 20, 1e-12);
   folder.write("pad.toml", pad_text("{ pad_diameter_mm = 20 }"));
   // A square in the circle, which is a polygon of 40 corners.
-  for (const double half_m : exported("mujoco")["controller"]["tipping_half_lengths_m"])
+  const json disc = exported("mujoco");
+  for (const double half_m : disc["controller"]["tipping_half_lengths_m"])
     EXPECT_NEAR(half_m, 10e-3 / std::sqrt(2.), 0.05e-3);
 }
 
