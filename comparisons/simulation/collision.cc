@@ -492,7 +492,11 @@ void CollisionDetector::find(const Multibody& bodies, double time_step_s,
 
 std::vector<CollisionDetector::Overlap> CollisionDetector::overlaps(const Multibody& bodies) {
   std::vector<TouchingPoint> points;
-  implementation_->find(bodies, 0, points);
+  try {
+    implementation_->find(bodies, 0, points);
+  } catch (const CollisionError&) {
+    // Bodies without nearest points do not overlap, and the first step says so.
+  }
   std::vector<Overlap> result;
   for (const TouchingPoint& point : points) {
     double smaller_m = std::numeric_limits<double>::infinity();

@@ -406,6 +406,23 @@ TEST(BuiltinScenes, HundredContactsAreHundred) {
   EXPECT_NEAR(carried / weight, 1, 1e-8);
 }
 
+// FCL finds no nearest points of this thin plate and the tiny cylinder on it.
+TEST(Collision, ThatFailsEndsTheSceneInWords) {
+  const Simulation failed =
+      run("id = \"thin\"\n[simulation]\ntime_step_ms = 1\nduration_s = 0.003\n"
+          "[[body]]\nname = \"plate\"\nfixed = true\n"
+          "shapes = [{ box_size_mm = [12864.8, 0.000130898, 0.0589423] }]\n"
+          "[[body]]\nname = \"dust\"\nmass_g = 100\ninertia_kg_mm2 = [10, 10, 10]\n"
+          "position_mm = [-0.0103883861, 0, 0]\nrotation_deg = [0, 58.2544243, 0.00207179358]\n"
+          "shapes = [{ cylinder_radius_length_mm = [0.000101404, 0.0125083] }]\n"
+          "velocity_mm_per_s = [0, 0, -1000]\n");
+  EXPECT_NE(failed.failure.find("step 1 at 0 s: the library FCL finds no nearest points of "
+                                "\"plate\" and \"dust\""),
+            std::string::npos)
+      << failed.failure;
+  EXPECT_EQ(failed.steps, 0);
+}
+
 }  // namespace
 TEST(Velocity, SetsBodiesOnJointsGoing) {
   // 0.5 m/s about 0.1 m: the energy m v²/2 + I (v/l)²/2 lifts it by that over m g.
