@@ -696,6 +696,17 @@ TEST(MeshContact, OfABoxIsHeldByItsCorners) {
       EXPECT_NEAR(point.gap_m, 0, 0.02 * 1e-7) << "files are read in single precision";
       EXPECT_NEAR(std::abs(point.point_m.x()), 0.02, 1e-9);
     }
+    // Turned onto another side it is held by that side's corners, not by those it remembers. Beside
+    // a box the direction in which they touched is kept, too, for bodies that turn little by
+    // little.
+    if (!on_plane) continue;
+    detection.move(1, turned(at(0, 0, 0.02), kPi / 2, Vector3d::UnitY()));
+    const auto on_its_side = detection.find(1e-6);
+    ASSERT_EQ(on_its_side.size(), 4u);
+    for (const TouchingPoint& point : on_its_side) {
+      EXPECT_NEAR(point.gap_m, 0, 0.02 * 1e-7);
+      EXPECT_NEAR(std::abs(point.point_m.x()), 0.01, 1e-9);
+    }
   }
 }
 
