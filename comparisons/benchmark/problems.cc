@@ -258,7 +258,7 @@ Score stack(const Engine& engine) {
 constexpr double kPadGrip_N = 10, kPadFriction = 0.7, kHeldMass_kg = 0.5;
 
 /// Two flat pads of 22 x 37.5 mm with 3 mm of rubber, as of a common gripper, press on a box.
-/// From 0.3 s on its weight acts, beside the line between them.
+/// Its weight acts from 0.3 s on, beside the line between them.
 Scene gripped_box(double offset_m) {
   Scene scene;
   scene.contact.layer = {3e-3, 800e3, 0.49};

@@ -35,7 +35,7 @@ struct PadModelComparison {
   std::optional<PadModelErrors> errors;  ///< absent without an answer or without a reference
   /// Whether the model states a bound here. Without one, agreement is an accident.
   bool is_sound = false;
-  /// By the torque: the area is known, and semi-axes a pad has none.
+  /// The torque decides: a pad has no semi-axes, and its area is the case's own.
   Judgement judgement = Judgement::silent;
   /// Along the lines through the contact's centroid, from edge to edge; absent without an answer.
   std::optional<reference::PressureProfile> along_x, along_y;

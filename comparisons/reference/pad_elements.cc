@@ -262,8 +262,8 @@ std::optional<std::string> elements_refusal(const input::Case& contact_case) {
 }
 
 double expected_pad_s(const input::Case& contact_case) {
-  // By level, measured but for level 3 of polygons and smaller faces. A quarter is meshed where pad
-  // and face have two planes of symmetry.
+  // Times of levels 1 to 3 are measured, but those of level 3 for polygons and smaller faces
+  // guessed. A quarter is meshed where pad and face have two planes of symmetry.
   constexpr std::array<double, 3> kQuarter_s = {0.7, 2.3, 30}, kPolygon_s = {1.5, 5, 60},
                                   kSmallerFace_s = {2.3, 20, 200};
   const auto& pair = std::get<input::PadPair>(contact_case.geometry);

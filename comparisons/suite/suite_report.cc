@@ -175,7 +175,7 @@ json to_json(const ModelCard& card) {
           {"cost", card.cost}};
 }
 
-/// Those of pads only where there is one, at the end.
+/// The cards of all models. Those of pads come last, and only where a case has a pad.
 json model_cards(const SuiteComparison& suite) {
   json cards = json::array();
   for (const PressureModel* model : all_pressure_models()) cards.push_back(to_json(model->card()));

@@ -569,6 +569,7 @@ TEST_F(ApplyPad, JoinsBoxesInOnePlane) {
     return json::parse(run.out)["fingers"][0]["eccentricity_m"].get<double>();
   };
   const ProgramRun together = answer("jaw", ".009375");
+  // Corners of joined boxes are places in the file, with their rounding.
   EXPECT_NEAR(eccentricity_of(together) / rectangle_m, 1, 1e-6);
   EXPECT_EQ(together.err.find("more of its shapes"), std::string::npos) << together.err;
   const json finger = json::parse(together.out)["fingers"][0];
@@ -607,6 +608,7 @@ TEST_F(ApplyPad, ShrinksTheShapeUntilItsCornersHaveTheTorque) {
   ASSERT_EQ(std::sscanf(text.c_str() + text.find("size="), "size='%lf %lf %lf'", &x_m, &y_m, &z_m),
             3)
       << text;
+  // Files have six digits.
   EXPECT_NEAR(std::hypot(x_m, z_m) / e_m, 1, 1e-5);
   EXPECT_NEAR(x_m / z_m, 22 / 37.5, 1e-5);
   EXPECT_EQ(y_m, 0.004) << "it is as thick as it was";

@@ -168,6 +168,31 @@ TEST(SoftFaces, OfACylinderAreDiscs) {
   EXPECT_LT(contacts[0].eccentricity_m, 2. / 3 * 0.01);
 }
 
+/// A pad on one joint is pressed on a plate that is fixed, and pushed or twisted along the joint.
+Simulation pad_on_a_joint(const std::string& joint, const std::string& force) {
+  return simulated_gripper(
+      "id = \"joint\"\n[simulation]\ntime_step_ms = 1\nduration_s = 0.05\n"
+      "gravity_m_per_s2 = [0, 0, 0]\n[[layer]]\nname = \"rubber\"\nthickness_mm = 3\n"
+      "youngs_modulus_kPa = 800\npoisson_ratio = 0.49\n"
+      "[[body]]\nname = \"plate\"\nfixed = true\nshapes = [{ box_size_mm = [200, 40, 80] }]\n"
+      "[[body]]\nname = \"pad\"\nmass_g = 20\nposition_mm = [0, -30, 0]\nlayer = \"rubber\"\n"
+      "shapes = [{ box_size_mm = [22, 20, 37.5] }]\n"
+      "[[contact]]\nbodies = [\"*\", \"*\"]\nfriction_coefficient = 0.7\n" +
+      joint + "[[force]]\nbody = \"pad\"\ntime_s = [0]\n" + force);
+}
+
+TEST(SoftFaces, ThatCannotSlideOnlyPress) {
+  const Simulation pressed = pad_on_a_joint(
+      "[[joint]]\nname = \"slide\"\nkind = \"prismatic\"\nparent = \"world\"\n"
+      "child = \"pad\"\naxis = [0, 1, 0]\n",
+      "force_N = [[0, 10, 0]]\ntorque_Nm = [[0, 0, 0]]\n");
+  ASSERT_TRUE(pressed.failure.empty()) << pressed.failure;
+  const auto& contacts = pressed.recording.frames.back().contacts;
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_NEAR(contacts[0].normal_force_N, 10, 1e-6);
+  EXPECT_NEAR(std::abs(contacts[0].torque_Nm), 0, 1e-12);
+}
+
 TEST(SoftFaces, NeverGainEnergyByRocking) {
   // A block on a soft foot, knocked, rocks from edge to edge until it rests.
   const std::string text =

@@ -8,7 +8,8 @@
 #include "comparisons/judgement/selection/model_choice.h"
 #include "softfinger/pads/pad_shape.h"
 
-/// Which model is enough for a flat pad: those of pads, and the elements of the whole pad.
+/// Chooses the cheapest answer that is accurate enough for a flat pad, out of the pads' closed
+/// forms and finite elements of the whole pad.
 namespace softfinger::judgement {
 
 /// @param shape  of the case's contact

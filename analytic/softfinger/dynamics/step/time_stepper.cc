@@ -245,18 +245,22 @@ void TimeStepper::know_normal_impulse(int row, double impulse) {
   const Place& place = place_of_row_[std::size_t(row)];
   Island& island = islands_[std::size_t(place.island)];
   const auto diagonal = island.problem.delassus.diagonal().segment<4>(4 * place.position);
+  const Eigen::Vector3d arms(1, 1, problem_.eccentricity_m[row]);
+  // A face that joints keep from sliding has no response to friction.
+  double response = diagonal.tail<3>().cwiseProduct(arms.cwiseAbs2()).maxCoeff();
+  if (!(response > 0)) response = 1;
   double& normal = island.problem.delassus(4 * place.position, 4 * place.position);
   double speed = -1;
   if (impulse > 0) {
     // Any response will do. Residuals are relative to the largest velocity of a problem: this one
     // is neither far above nor far below that of the friction.
     constexpr double kLeastPart = 1e-3;
-    const double stopped = std::max(diagonal[1], diagonal[2]) * impulse;
-    speed = std::clamp(problem_.free_velocity.segment<2>(4 * row + 1).norm(), kLeastPart * stopped,
-                       stopped);
+    const double stopped = response * impulse;
+    speed = std::clamp(problem_.free_velocity.segment<3>(4 * row + 1).cwiseProduct(arms).norm(),
+                       kLeastPart * stopped, stopped);
     normal = speed / impulse;
   } else {
-    normal = std::max(diagonal[1], diagonal[2]);
+    normal = response;
   }
   problem_.free_velocity[4 * row] = -speed;
 }
