@@ -35,6 +35,11 @@ std::string bound_words(double bound) { return std::isfinite(bound) ? text::perc
 
 double four_digits(double value) { return std::stod(fmt::format("{:.4g}", value)); }
 
+std::string lifted_words(const PadAnswer& answer) {
+  const double lifted = answer.prediction.lifted_share;
+  return lifted > 0 ? fmt::format(", {} of it lifted off", text::percent(lifted)) : "";
+}
+
 std::string pad_answer_line(const PadAnswer* answer, double load_N,
                             const prediction::Demand& demand,
                             const std::optional<judgement::InputDoubt>& inputs) {
@@ -47,12 +52,12 @@ std::string pad_answer_line(const PadAnswer* answer, double load_N,
                                                      four_digits(limit.max_torque_Nm() / load_N))
           : "";
   return fmt::format(
-      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; pad contact {:.3g} x {:.3g} mm; e_n {:.3g} "
+      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; pad contact {:.3g} x {:.3g} mm{}; e_n {:.3g} "
       "mm{}\n",
       load_N, answer->usable ? "" : "NOT USABLE within " + text::percent(demand.tolerance) + ": ",
       1e3 * limit.max_torque_Nm(), bound_words(answer->bound_of(prediction::Quantity::max_torque)),
       in_words(inputs), answer->model->card().name, extent_mm.x(), extent_mm.y(),
-      1e3 * limit.eccentricity_m, lines);
+      lifted_words(*answer), 1e3 * limit.eccentricity_m, lines);
 }
 
 constexpr const char* kPadRow = "  {:<13} {:>7} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8}\n";
@@ -109,6 +114,11 @@ std::string pad_evidence(const PadAnswer& answer) {
       1e3 * p.tilt_limit_Nm[1] / answer.problem.load.normal_force_N,
       p.torsional_stiffness_Nm_per_rad, 1e-3 * p.tangential_stiffness_N_per_m[0],
       1e-3 * p.tangential_stiffness_N_per_m[1]);
+  if (p.lifted_share > 0)
+    text += fmt::format(
+        "    the load is {:.2f} times as far from the middle as the rim bears: {} of the face has "
+        "lifted off and carries nothing, and the stiffnesses are those of the whole face\n",
+        p.tilt_utilisation, text::percent(p.lifted_share));
   if (answer.bound)
     text += fmt::format(
         "    bounds: torque {}, arm as pressed {}, indentation and stiffness {}, peak (within 0.95 "
@@ -137,17 +147,29 @@ std::string pad_surface_text(const nlohmann::json& result) {
   return text;
 }
 
-/// Refuses a load that the pad's rim does not bear, with what is allowed.
-void refuse_lift_off(const PadPair& pair, const PadAnswer& answer) {
-  const double used = answer.prediction.tilt_utilisation;
-  if (!pair.load_at_m || !answer.prediction.has_answer || used <= 1) return;
-  const Eigen::Vector2d at_mm = 1e3 * *pair.load_at_m, middle_mm = 1e3 * pair.contact.centroid_m(),
-                        least_mm = middle_mm + (at_mm - middle_mm) / used;
+/// Refuses a load under which nearly all of the face has lifted off, with the place that is
+/// allowed.
+void refuse_tipping(const PadPair& pair, const PadAnswer& answer) {
+  if (!pair.load_at_m || answer.prediction.has_answer) return;
+  const Eigen::Vector2d middle_m = pair.contact.centroid_m();
+  const auto stands = [&](double share) {
+    PadProblem nearer = answer.problem;
+    nearer.load_at_m = middle_m + share * (*pair.load_at_m - middle_m);
+    return answer.model->predict(nearer).has_answer;
+  };
+  if (!stands(0)) return;  // the load's place is not the reason
+  double known = 0, unknown = 1;
+  while (unknown - known > 1e-3) {
+    const double share = (known + unknown) / 2;
+    (stands(share) ? known : unknown) = share;
+  }
+  const Eigen::Vector2d at_mm = 1e3 * *pair.load_at_m,
+                        most_mm = 1e3 * (middle_m + known * (*pair.load_at_m - middle_m));
   throw InputError(pair.load_at_where, "load_at_mm",
                    fmt::format("[{:.4g}, {:.4g}]", at_mm.x(), at_mm.y()),
-                   fmt::format("to [{:.4g}, {:.4g}] in this direction: beyond, the pad's rim lifts "
-                               "off, and these models keep the whole face in contact",
-                               least_mm.x(), least_mm.y()));
+                   fmt::format("to [{:.4g}, {:.4g}] in this direction: beyond, nearly all of the "
+                               "face has lifted off and the pad is about to tip",
+                               most_mm.x(), most_mm.y()));
 }
 
 }  // namespace
@@ -167,7 +189,7 @@ int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
     for (const PadModel* model : models) {
       answers.push_back(prediction::ask_pad_model(*model, contact_case, shape, load_N,
                                                   question.demand, budget_ns));
-      if (answers.size() == 1) refuse_lift_off(pair, answers.back());
+      if (answers.size() == 1) refuse_tipping(pair, answers.back());
     }
     // The models are in the order of their worth.
     const auto answered = std::find_if(answers.begin(), answers.end(), [](const PadAnswer& answer) {

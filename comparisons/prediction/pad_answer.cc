@@ -56,7 +56,7 @@ nlohmann::json bound_json(const PadAnswer& answer) {
   const PadErrors& bound = *answer.bound;
   return {{"a", nullptr},
           {"b", nullptr},
-          {"area", 0},
+          {"area", text::finite_or_null(answer.bound_of(Quantity::area))},
           {"indentation", text::finite_or_null(bound.indentation)},
           {"peak_pressure", text::finite_or_null(bound.peak_pressure)},
           {"max_torque", text::finite_or_null(bound.max_torque)},
@@ -110,12 +110,17 @@ void assess_pad(const input::PadPair& pair, const Demand& demand, PadAnswer& ans
 
 }  // namespace
 
+double PadAnswer::area_m2() const {
+  return (1 - prediction.lifted_share) * problem.shape->outline().area_m2();
+}
+
 double PadAnswer::bound_of(Quantity quantity) const {
   if (!bound) return kInfinity;
   const auto known = [](double error) { return std::isfinite(error) ? error : kInfinity; };
   if (quantity == Quantity::indentation) return known(bound->indentation);
   if (quantity == Quantity::peak_pressure) return known(bound->peak_pressure);
   if (quantity == Quantity::max_torque) return known(bound->max_torque);
+  if (quantity == Quantity::area) return bound->area;
   return 0;
 }
 
@@ -205,8 +210,8 @@ nlohmann::json to_json(const PadAnswer& answer, int limit_surface_points) {
       {"a_m", nullptr},
       {"b_m", nullptr},
       {"axis_rad", nullptr},
-      {"area_m2", outline.area_m2()},
-      {"area_projected_m2", outline.area_m2()},
+      {"area_m2", answer.area_m2()},
+      {"area_projected_m2", answer.area_m2()},
       {"outline_m", points},
       {"shape_factor",
        outline.area_m2() / outline.perimeter_m() / answer.problem.layer.thickness_m},
@@ -223,6 +228,7 @@ nlohmann::json to_json(const PadAnswer& answer, int limit_surface_points) {
       {"torque_rule", "exact"},
       {"tilt_limit_Nm", pair(p.tilt_limit_Nm)},
       {"tilt_utilisation", number(p.tilt_utilisation)},
+      {"lifted_share", number(p.lifted_share)},
       {"tilt_rad", pair(p.tilt_rad)},
       {"tilt_stiffness_Nm_per_rad", pair(p.tilt_stiffness_Nm_per_rad)},
       {"torsional_stiffness_Nm_per_rad", number(p.torsional_stiffness_Nm_per_rad)},

@@ -30,8 +30,10 @@ struct PadAnswer {
     return {problem.load.friction_coefficient * problem.load.normal_force_N,
             prediction.eccentricity_m};
   }
-  /// Relative bound of a quantity; infinite where it is not known. A pad's area is that of the
-  /// outline, whose error is the case's own; semi-axes it has none, and they ask for nothing.
+  double area_m2() const;  ///< that carries
+  /// Relative bound of a quantity; infinite where it is not known. The area of a pad that has not
+  /// lifted off is that of the outline, whose error is the case's own; semi-axes it has none, and
+  /// they ask for nothing.
   double bound_of(Quantity quantity) const;
 };
 

@@ -245,14 +245,96 @@ TEST(PadModel, LiftsOffAtItsStatedLimit) {
   PadProblem problem = pressed_pad(shape, 0.004, 0.45);
   const PadPrediction p = layer_model().predict(problem);
   problem.load_at_m = Vector2d(0.999 * p.tilt_limit_Nm[1], 0);
-  EXPECT_TRUE(layer_model().predict(problem).valid());
+  EXPECT_NEAR(layer_model().predict(problem).tilt_utilisation, 0.999, 1e-9);
   problem.load_at_m = Vector2d(1.001 * p.tilt_limit_Nm[1], 0);
-  EXPECT_FALSE(layer_model().predict(problem).valid());
-  problem.load_at_m = Vector2d(0, 0.999 * p.tilt_limit_Nm[0]);
+  EXPECT_NEAR(layer_model().predict(problem).tilt_utilisation, 1.001, 1e-9);
+  problem.load_at_m = Vector2d(0, 0.5 * p.tilt_limit_Nm[0]);
   const PadPrediction tilted = layer_model().predict(problem);
   EXPECT_TRUE(tilted.valid());
-  EXPECT_NEAR(tilted.tilt_rad[0] * p.tilt_stiffness_Nm_per_rad[0], 0.999 * p.tilt_limit_Nm[0],
+  EXPECT_EQ(tilted.lifted_share, 0);
+  EXPECT_NEAR(tilted.tilt_rad[0] * p.tilt_stiffness_Nm_per_rad[0], 0.5 * p.tilt_limit_Nm[0],
               1e-9 * p.tilt_limit_Nm[0]);
+}
+
+TEST(PadModel, LiftsOffAsColumnsDo) {
+  // Columns (nu = 0) under a load at e beyond a sixth of the length: a wedge of pressure on the
+  // last 3 (L/2 - e), from 0 to 2 P/(3 (L/2 - e) w) at the end.
+  const double length = 0.03, width = 0.02, thickness = 0.004;
+  const PadShape shape(ConvexOutline::rounded_rectangle(length, width));
+  for (const double share : {0.4, 0.5, 0.6}) {
+    PadProblem problem = pressed_pad(shape, thickness, 0);
+    const double place = share * length / 2, touching = 3 * (length / 2 - place);
+    problem.load_at_m = Vector2d(place, 0);
+    const PadPrediction p = layer_model().predict(problem);
+    ASSERT_TRUE(p.valid());
+    EXPECT_NEAR(p.lifted_share, 1 - touching / length, 0.02);
+    const double end_Pa = 2 / (touching * width);
+    const double depth_m = end_Pa * thickness / problem.layer.youngs_modulus_Pa;
+    EXPECT_NEAR(p.tilt_rad[1] * touching / depth_m, 1, 0.01);
+    EXPECT_NEAR((p.indentation_m + p.tilt_rad[1] * length / 2) / depth_m, 1, 0.005);
+    double arm = 0;  // by midpoints
+    constexpr int kParts = 400;
+    for (int i = 0; i < kParts; ++i)
+      for (int j = 0; j < kParts; ++j) {
+        const double from_edge = touching * (i + 0.5) / kParts;
+        const double x = length / 2 - touching + from_edge - place;
+        const double y = width * ((j + 0.5) / kParts - 0.5);
+        arm += 2 * from_edge / touching / (kParts * kParts) * std::hypot(x, y);
+      }
+    EXPECT_NEAR(p.eccentricity_m / arm, 1, 0.003);
+  }
+}
+
+TEST(PadModel, KeepsItsBoundsWhereTheRimHasLiftedOff) {
+  // Frictionless finite elements with contact (level 1) of eccentric loads of 2 N.
+  struct Row {
+    double length_m, width_m, thickness_m, nu;
+    Vector2d at_m;
+    double arm_m, indentation_m, lifted;
+  };
+  for (const Row& row :
+       {Row{22e-3, 37.5e-3, 2e-3, 0.3, {0.000e-3, 10.312e-3}, 7.891e-3, 9.6257e-6, 0.297},
+        {22e-3, 37.5e-3, 2e-3, 0.49, {3.080e-3, 5.250e-3}, 8.4196e-3, 2.2444e-6, 0.217},
+        {22e-3, 37.5e-3, 5e-3, 0.45, {4.235e-3, 7.219e-3}, 8.2149e-3, 20.401e-6, 0.367},
+        {22e-3, 37.5e-3, 9e-3, 0.45, {4.400e-3, 0.000e-3}, 10.061e-3, 31.563e-6, 0.178},
+        {17e-3, 17e-3, 2e-3, 0.3, {4.675e-3, 0.000e-3}, 5.003e-3, 28.799e-6, 0.297},
+        {17e-3, 17e-3, 2e-3, 0.49, {0.000e-3, 3.400e-3}, 4.7827e-3, 10.084e-6, 0.252},
+        {17e-3, 17e-3, 5e-3, 0.45, {0.000e-3, 4.675e-3}, 4.838e-3, 68.234e-6, 0.297},
+        {17e-3, 17e-3, 9e-3, 0.3, {2.380e-3, 2.380e-3}, 5.5454e-3, 109.11e-6, 0.138},
+        {17e-3, 17e-3, 9e-3, 0.49, {3.273e-3, 3.273e-3}, 4.9088e-3, 131.66e-6, 0.349},
+        {10e-3, 40e-3, 2e-3, 0.49, {2.000e-3, 0.000e-3}, 9.5857e-3, 8.5061e-6, 0.244},
+        {10e-3, 40e-3, 5e-3, 0.45, {2.750e-3, 0.000e-3}, 9.7594e-3, 47.024e-6, 0.327},
+        {10e-3, 40e-3, 9e-3, 0.3, {0.000e-3, 8.000e-3}, 7.6826e-3, 78.04e-6, 0.133},
+        {10e-3, 40e-3, 9e-3, 0.49, {0.000e-3, 11.000e-3}, 5.9866e-3, 93.556e-6, 0.297}}) {
+    const PadShape shape(ConvexOutline::rounded_rectangle(row.length_m, row.width_m));
+    PadProblem problem = pressed_pad(shape, row.thickness_m, row.nu, PadPressing::frictionless);
+    problem.layer.youngs_modulus_Pa = 8e5;
+    problem.load.normal_force_N = 2;
+    problem.load_at_m = row.at_m;
+    const PadPrediction p = layer_model().predict(problem);
+    const auto bound = pad_error_bound(layer_model(), problem);
+    ASSERT_TRUE(p.valid() && bound);
+    EXPECT_NEAR(p.eccentricity_m / row.arm_m, 1, bound->max_torque);
+    const double indentation_m =
+        p.indentation_m + p.tilt_rad[1] * row.at_m.x() + p.tilt_rad[0] * row.at_m.y();
+    EXPECT_NEAR(indentation_m / row.indentation_m, 1, bound->indentation);
+    EXPECT_NEAR((1 - p.lifted_share) / (1 - row.lifted), 1, bound->area);
+    // A stuck face turns about the same centre at full slip.
+    problem.pressing = PadPressing::stuck;
+    EXPECT_EQ(layer_model().predict(problem).eccentricity_m, p.eccentricity_m);
+    EXPECT_TRUE(std::isnan(pad_error_bound(layer_model(), problem)->indentation));
+  }
+}
+
+TEST(PadModel, HasNoAnswerWhereItTips) {
+  const PadShape shape(ConvexOutline::rounded_rectangle(0.03, 0.02));
+  PadProblem problem = pressed_pad(shape, 0.004, 0.45);
+  for (const double share : {0.97, 1.0, 1.5}) {
+    problem.load_at_m = Vector2d(share * 0.015, 0);
+    const PadPrediction p = layer_model().predict(problem);
+    EXPECT_FALSE(p.has_answer) << share;
+    EXPECT_FALSE(p.valid());
+  }
 }
 
 TEST(PadGradient, AgreesWithDifferences) {

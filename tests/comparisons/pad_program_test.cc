@@ -172,7 +172,7 @@ TEST_F(FlatPad, SamplesItsLimitSurface) {
   }
 }
 
-TEST_F(FlatPad, BearsALoadBesideItsMiddleUntilTheRimLiftsOff) {
+TEST_F(FlatPad, BearsALoadBesideItsMiddleUntilItTips) {
   const std::string finger = "{ pad_mm = [22, 37.5] }", plane = "{ flat = true }";
   const json middle = answers(pad_text(finger, plane, "load_at_mm = [0, 0]"))[0];
   const json plain = answers(pad_text())[0];
@@ -184,9 +184,18 @@ TEST_F(FlatPad, BearsALoadBesideItsMiddleUntilTheRimLiftsOff) {
   EXPECT_NEAR(off["tilt_utilisation"].get<double>(), 0.9, 1e-6);
   EXPECT_NEAR(off["centre_of_pressure_m"][0].get<double>(), 0.9e-3 * limit_mm, 1e-9);
   EXPECT_GT(off["peak_pressure_Pa"].get<double>(), plain["peak_pressure_Pa"].get<double>());
-  expect_refusal(
-      predict(pad_text(finger, plane, "load_at_mm = [" + std::to_string(1.1 * limit_mm) + ", 0]")),
-      "lifts off");
+  EXPECT_EQ(off["lifted_share"], 0);
+  // Further out a part of the face carries nothing.
+  const json lifted = answers(pad_text(finger, plane, "load_at_mm = [5, 0]"))[0];
+  EXPECT_GT(lifted["tilt_utilisation"], 1);
+  const double share = lifted["lifted_share"];
+  EXPECT_GT(share, 0.05);
+  EXPECT_LT(share, 0.4);
+  EXPECT_NEAR(lifted["area_m2"].get<double>() / plain["area_m2"].get<double>(), 1 - share, 1e-12);
+  EXPECT_LT(lifted["eccentricity_m"], off["eccentricity_m"]);
+  EXPECT_GT(lifted["error_bound"]["max_torque"], plain["error_bound"]["max_torque"]);
+  EXPECT_TRUE(lifted["error_bound"]["indentation"].is_null());
+  expect_refusal(predict(pad_text(finger, plane, "load_at_mm = [10.9, 0]")), "about to tip");
   expect_refusal(predict(pad_text(finger, plane, "load_at_mm = [12, 0]")), "tips");
 }
 

@@ -10,12 +10,16 @@
 namespace softfinger {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::Vector2d;
+using Eigen::Vector3d;
 using pads::PadDual;
 using pads::PadLaw;
 using pads::PadLayer;
 
 constexpr std::size_t kX = 0, kY = 1;
+/// Share of the face that may have lifted off.
+constexpr double kMostLifted = 0.8;
 
 /// Resultants of p, per E d/h and per E/h times a tilt: force, moments about the centroid, arms.
 template <class T>
@@ -145,7 +149,6 @@ class LayerPadModel final : public PadModel {
     return law<double>(*problem.shape,
                        {layer.youngs_modulus_Pa, layer.poisson_ratio, layer.thickness_m}, pressing);
   }
-  PadMotion motion(const PadProblem& problem, const PadStiffness& stiffness) const noexcept;
 
   ModelCard card_;
   bool is_uniform_;
@@ -155,37 +158,129 @@ double foundation(const ElasticLayer& layer) noexcept {
   return layer.youngs_modulus_Pa / layer.thickness_m;
 }
 
-PadMotion LayerPadModel::motion(const PadProblem& problem,
-                                const PadStiffness& stiffness) const noexcept {
+/// From the centroid.
+Vector2d load_place_m(const PadProblem& problem) noexcept {
+  return *problem.load_at_m - problem.shape->outline().centroid_m();
+}
+
+/// Of a face that could pull.
+PadMotion unbounded_motion(const PadProblem& problem, const PadStiffness& stiffness) noexcept {
   const double force = problem.load.normal_force_N / foundation(problem.layer);
   if (!problem.load_at_m) return stiffness.motion(force, Vector2d::Zero());
   const Vector2d middle(stiffness.pressed.centre(kX), stiffness.pressed.centre(kY));
-  return stiffness.motion(
-      force, force * (*problem.load_at_m - problem.shape->outline().centroid_m() - middle));
+  return stiffness.motion(force, force * (load_place_m(problem) - middle));
 }
 
-/// int p |r - centre| dA / int p dA by the samples.
-double sampled_arm(const PadShape& shape, const PadLaw<double>& law,
-                   const PadMotion& motion) noexcept {
-  const PadShape::Samples& samples = shape.samples();
-  double force = 0, radius = 0;
-  Vector2d moment = Vector2d::Zero();
-  PadShape::Row rows[PadShape::kSources];
-  const auto pressure = [&](std::size_t i) {
-    for (int s = 0; s < PadShape::kSources; ++s)
-      for (int mode = 0; mode < PadShape::kMostModes; ++mode)
-        rows[s][std::size_t(mode)] = samples.modes[std::size_t(s)](Eigen::Index(i), mode);
-    return samples.areas_m2[i] * std::max(0.0, pressure_of(shape, law, motion, samples.points_m[i],
-                                                           {&rows[0], &rows[1], &rows[2]}));
-  };
-  for (std::size_t i = 0; i < samples.points_m.size(); ++i) {
-    const double part = pressure(i);
-    force += part;
-    moment += part * samples.points_m[i];
+/// A law's pressures over E/h at the shape's samples, for an approach and for tilts of one.
+class SampledLaw {
+ public:
+  SampledLaw(const PadShape& shape, const PadLaw<double>& law) noexcept
+      : samples_(shape.samples()), uniform_(1, 1 + law.tilt_uniform) {
+    const PadShape::Sums& one = shape.sums(PadShape::constant);
+    uniform_[0] +=
+        law.excess_uniform + law.rim * law.rim_sum(one, one.integral) / shape.outline().area_m2();
+    for (std::size_t source = 0; source < PadShape::kSources; ++source) {
+      const PadShape::Sums& sums = shape.sums(PadShape::Source(source));
+      const double layer = source == PadShape::constant ? law.excess_layer : law.tilt_layer;
+      for (std::size_t mode = 0; mode < PadShape::kMostModes; ++mode) {
+        const double l = sums.stiffness_per_m2[mode];
+        by_mode_[source](Eigen::Index(mode)) =
+            layer * law.numerator / (law.compressible + law.per_stiffness * l);
+        if (source == PadShape::constant)
+          by_mode_[source](Eigen::Index(mode)) -= law.rim * law.rim_per_m2 / (law.rim_per_m2 + l);
+      }
+    }
   }
-  for (std::size_t i = 0; i < samples.points_m.size(); ++i)
-    radius += pressure(i) * (samples.points_m[i] - moment / force).norm();
-  return radius / force;
+
+  std::size_t size() const noexcept { return samples_.points_m.size(); }
+  double area_m2(std::size_t i) const noexcept { return samples_.areas_m2[i]; }
+  const Vector2d& from_centroid_m(std::size_t i) const noexcept { return samples_.points_m[i]; }
+  Vector3d per_motion(std::size_t i) const noexcept {
+    const Vector2d& point = samples_.points_m[i];
+    Vector3d pressures(uniform_[0], uniform_[1] * point.x(), uniform_[1] * point.y());
+    for (std::size_t source = 0; source < PadShape::kSources; ++source)
+      pressures[Eigen::Index(source)] +=
+          samples_.modes[source].row(Eigen::Index(i)).dot(by_mode_[source]);
+    return pressures;
+  }
+
+ private:
+  const PadShape::Samples& samples_;
+  Vector2d uniform_;
+  std::array<Eigen::Matrix<double, 1, PadShape::kMostModes>, PadShape::kSources> by_mode_;
+};
+
+/// A face under a load beside its middle.
+struct BalancedFace {
+  PadMotion motion;
+  double arm_m = 0;         ///< int p |r - centre| dA over the load
+  double lifted_share = 0;  ///< of the area, in which p would be negative
+  bool is_known = false;
+};
+
+/// A face does not pull: p = max(0, law), with the approach and the tilts that carry the load at
+/// its place. Where nothing lifts off that is the law itself, for columns it is exact.
+BalancedFace balanced_face(const PadProblem& problem, const PadLaw<double>& law) noexcept {
+  const PadShape& shape = *problem.shape;
+  const PadMotion motion = unbounded_motion(problem, PadStiffness(shape, law));
+  const double force = problem.load.normal_force_N / foundation(problem.layer);
+  const Vector2d place = load_place_m(problem);
+  constexpr int kMostSteps = 40;
+  constexpr double kArrived = 1e-9;
+  const SampledLaw samples(shape, law);
+  const double size = shape.size_m();
+  // Unknowns and residuals in units of the size: all of one kind.
+  const Vector3d load(1, place.x() / size, place.y() / size);
+  Vector3d unknown =
+      Vector3d(motion.approach_m, size * motion.tilt_rad.x(), size * motion.tilt_rad.y());
+  struct Look {
+    Vector3d missing;
+    Matrix3d slope = Matrix3d::Zero();
+    double lifted_m2 = 0;
+  };
+  const auto look = [&](const Vector3d& at) {
+    Look seen;
+    seen.missing = -load;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      Vector3d pressures = samples.per_motion(i);
+      pressures.tail<2>() /= size;
+      const double pressure = at.dot(pressures);
+      if (!(pressure > 0)) {
+        seen.lifted_m2 += samples.area_m2(i);
+        continue;
+      }
+      const Vector2d point = samples.from_centroid_m(i) / size;
+      const Vector3d part = samples.area_m2(i) / force * Vector3d(1, point.x(), point.y());
+      seen.missing += pressure * part;
+      seen.slope += part * pressures.transpose();
+    }
+    return seen;
+  };
+  BalancedFace face;
+  Look now = look(unknown);
+  for (int step = 0; step < kMostSteps && !(now.missing.norm() <= kArrived); ++step) {
+    const Vector3d change = now.slope.inverse() * now.missing;
+    if (!change.allFinite()) return face;
+    double part = 1;
+    Look next = look(unknown - change);
+    for (; part > 1e-3 && !(next.missing.norm() < now.missing.norm()); part /= 2)
+      next = look(unknown - part / 2 * change);
+    if (!(next.missing.norm() < now.missing.norm())) return face;
+    unknown -= part * change;
+    now = next;
+  }
+  if (!(now.missing.norm() <= kArrived)) return face;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    Vector3d pressures = samples.per_motion(i);
+    pressures.tail<2>() /= size;
+    const double pressure = std::max(0.0, unknown.dot(pressures));
+    face.arm_m +=
+        samples.area_m2(i) / force * pressure * (samples.from_centroid_m(i) - place).norm();
+  }
+  face.motion = {unknown[0], unknown.tail<2>() / size};
+  face.lifted_share = now.lifted_m2 / shape.outline().area_m2();
+  face.is_known = true;
+  return face;
 }
 
 PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
@@ -202,8 +297,20 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
 
   const PadLaw<double> pressed_law = law(problem, problem.pressing);
   const PadStiffness stiffness(shape, pressed_law);
-  const PadMotion motion = this->motion(problem, stiffness);
   const double per_length = foundation(layer), load_N = problem.load.normal_force_N;
+  const PadMotion unbounded = unbounded_motion(problem, stiffness);
+  BalancedFace pressed;
+  if (problem.load_at_m) {
+    pressed = balanced_face(problem, pressed_law);
+    if (!pressed.is_known || pressed.lifted_share > kMostLifted) {
+      result.validity.add({"lifted_share", pressed.is_known ? pressed.lifted_share : 1, kMostLifted,
+                           true,
+                           "the load lies so near to the outline that nearly all of the face has "
+                           "lifted off: press nearer to the middle"});
+      return result;
+    }
+  }
+  const PadMotion motion = problem.load_at_m ? pressed.motion : unbounded;
   result.indentation_m = motion.approach_m;
   result.normal_stiffness_N_per_m = per_length * stiffness.pressed.force;
   const Vector2d centre = problem.load_at_m
@@ -226,11 +333,12 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
 
   const PadLaw<double> slipping_law = law(problem, PadPressing::frictionless);
   if (problem.load_at_m) {
-    const PadStiffness slipping(shape, slipping_law);
-    result.pressure_arm_m = sampled_arm(shape, pressed_law, motion);
-    result.eccentricity_m = problem.pressing == PadPressing::frictionless
-                                ? result.pressure_arm_m
-                                : sampled_arm(shape, slipping_law, this->motion(problem, slipping));
+    result.pressure_arm_m = result.eccentricity_m = pressed.arm_m;
+    result.lifted_share = pressed.lifted_share;
+    if (problem.pressing == PadPressing::stuck) {
+      const BalancedFace slipping = balanced_face(problem, slipping_law);
+      result.eccentricity_m = slipping.is_known ? slipping.arm_m : kNaN;
+    }
   } else {
     result.pressure_arm_m = stiffness.pressed.arm();
     result.eccentricity_m = problem.pressing == PadPressing::frictionless
@@ -262,7 +370,7 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
     // Between the axes the factor is that of the direction's share.
     const Vector2d off = (*problem.load_at_m - outline.centroid_m()).cwiseAbs();
     const double along_m = off.sum() > 0 ? off.dot(half_m) / off.sum() : half_m.sum() / 2;
-    result.tilt_utilisation = rim_utilisation(outline, motion) / lift(along_m);
+    result.tilt_utilisation = rim_utilisation(outline, unbounded) / lift(along_m);
   }
 
   const double shear_Pa = layer.shear_modulus_Pa(), h = layer.thickness_m;
@@ -283,9 +391,6 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
   result.validity.add({"strain", motion.approach_m / h, kLargestStrain, true,
                        "the pad is compressed by more than a tenth: rubber stiffens, and linear "
                        "theory does not"});
-  result.validity.add({"tilt_utilisation", result.tilt_utilisation, 1, true,
-                       "the load lies so far outside of the middle that the rim lifts off: press "
-                       "nearer to the middle"});
   if (is_uniform_)
     result.validity.add({"poisson_ratio", layer.poisson_ratio, 0, true,
                          "uniform pressure is exact for nu = 0 only: rubber presses harder in the "
@@ -342,29 +447,30 @@ double LayerPadModel::pressure_Pa(const PadProblem& problem,
   const PadShape& shape = *problem.shape;
   if (!shape.outline().contains(point_m)) return 0;
   const PadLaw<double> law = this->law(problem, problem.pressing);
+  const PadMotion motion = problem.load_at_m ? balanced_face(problem, law).motion
+                                             : unbounded_motion(problem, PadStiffness(shape, law));
   std::array<PadShape::Row, PadShape::kSources> rows;
   shape.at(point_m, rows);
-  return foundation(problem.layer) *
-         pressure_of(shape, law, motion(problem, PadStiffness(shape, law)),
-                     point_m - shape.outline().centroid_m(), {&rows[0], &rows[1], &rows[2]});
+  const double pressure_Pa = foundation(problem.layer) *
+                             pressure_of(shape, law, motion, point_m - shape.outline().centroid_m(),
+                                         {&rows[0], &rows[1], &rows[2]});
+  return problem.load_at_m ? std::max(0.0, pressure_Pa) : pressure_Pa;
 }
 
 std::vector<PressureSample> LayerPadModel::slipping_pressure(const PadProblem& problem) const {
   const PadShape& shape = *problem.shape;
   const PadLaw<double> law = this->law(problem, PadPressing::frictionless);
-  const PadMotion motion = this->motion(problem, PadStiffness(shape, law));
-  const PadShape::Samples& samples = shape.samples();
+  const PadMotion motion = problem.load_at_m ? balanced_face(problem, law).motion
+                                             : unbounded_motion(problem, PadStiffness(shape, law));
+  const SampledLaw samples(shape, law);
   std::vector<PressureSample> result;
-  for (std::size_t i = 0; i < samples.points_m.size(); ++i) {
-    PadShape::Row rows[PadShape::kSources];
-    for (std::size_t s = 0; s < std::size_t(PadShape::kSources); ++s)
-      for (std::size_t mode = 0; mode < rows[s].size(); ++mode)
-        rows[s][mode] = samples.modes[s](Eigen::Index(i), Eigen::Index(mode));
-    const Vector2d point = shape.outline().centroid_m() + samples.points_m[i];
-    result.push_back(
-        {point.x(), point.y(),
-         foundation(problem.layer) * samples.areas_m2[i] *
-             pressure_of(shape, law, motion, samples.points_m[i], {&rows[0], &rows[1], &rows[2]})});
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Vector2d point = shape.outline().centroid_m() + samples.from_centroid_m(i);
+    double force_N = foundation(problem.layer) * samples.area_m2(i) *
+                     Vector3d(motion.approach_m, motion.tilt_rad.x(), motion.tilt_rad.y())
+                         .dot(samples.per_motion(i));
+    if (problem.load_at_m) force_N = std::max(0.0, force_N);
+    result.push_back({point.x(), point.y(), force_N});
   }
   return result;
 }

@@ -50,9 +50,11 @@ struct PadPrediction {
   /// also bends, which takes a moment; e, what the free sides lose, is fitted to round pads (within
   /// 5 %).
   std::array<double, 2> tangential_stiffness_N_per_m{};
-  /// Share of the largest eccentricity without lift-off that the load uses: above 1 it lifts off,
-  /// and the numbers above are those of a face that could pull.
+  /// Share of the largest eccentricity without lift-off that the load uses. Above 1 the rim lifts
+  /// off, and the pressure is that of the tilted face where it is positive; stiffnesses stay those
+  /// of the whole face.
   double tilt_utilisation = 0;
+  double lifted_share = 0;  ///< of the contact's area, at most 0.8: beyond, there is no answer
   Validity validity;
 
   bool valid() const { return has_answer && validity.holds(); }
