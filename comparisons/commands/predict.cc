@@ -57,6 +57,10 @@ std::vector<const PressureModel*> chosen_models(const PredictOptions& options,
         std::remove_if(models.begin(), models.end(),
                        [](const PressureModel* model) { return model->card().is_empirical; }),
         models.end());
+  // Sublayers are known to slow models only.
+  if (options.models == "all" && judgement::is_stack(contact_case))
+    for (const char* name : {"layer_fredholm", "layer_fft"})
+      models.push_back(find_pressure_model(name));
   const PressureModel* sampler = find_pressure_model("layer_fft");
   if (options.gap == "sampled" &&
       std::find(models.begin(), models.end(), sampler) == models.end()) {

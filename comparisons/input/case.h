@@ -113,8 +113,13 @@ struct Case {
   /// Whether [fem] chose them. `reference::with_full_reference` settles those that it left open.
   bool fem_geometry_typed = false, fem_kinematics_typed = false;
 
+  /// With the sublayers where there are not more than models take.
   ContactProblem problem(const RelativeRadii& radii, double load_N) const {
-    return {radii, layer, {load_N, shear_law.friction_coefficient}, object_layer, options};
+    ContactProblem made{
+        radii, layer, {load_N, shear_law.friction_coefficient}, object_layer, options};
+    if (sublayers.size() <= LayerStack::kMost)
+      for (const Sublayer& one : sublayers) made.stack.sublayers[made.stack.count++] = one.layer;
+    return made;
   }
 };
 

@@ -66,6 +66,9 @@ const char* reason_without_bound(const input::Case& contact_case,
                                  const prediction::ModelAnswer& answer) {
   if (!answer.prediction.has_answer) return "the model has no answer";
   if (answer.sampled) return "bounds are known for the fitted quadric, not for a sampled gap";
+  if (is_stack(contact_case) && answer.model->knows_stacks())
+    return "the sublayers are solved exactly, linearly; how far that is from a finger at finite "
+           "strain is known for homogeneous layers only";
   if (is_stack(contact_case)) return "bounds are known for homogeneous layers only";
   if (!contact_case.fem_mesh.empty()) return "no bounds are known for layers of a user's own mesh";
   if (contact_case.fem_finite && contact_case.fem_finite->material != "neo_hookean")

@@ -215,7 +215,8 @@ ModelAnswer ask_sampled_gap(const GeometryResolver& resolver, const LocalGeometr
       sampled.changes_by_rounding =
           changes_by_rounding(answer.prediction, samples, lattice, answer.problem);
       answer.prediction.validity.add(facets_check(sampled.changes_by_rounding));
-      check_homogeneity(contact_case, answer.prediction.validity);
+      if (answer.problem.stack.count == 0)
+        check_homogeneity(contact_case, answer.prediction.validity);
       answer.sampled = sampled;
       answer.problem.radii.axis_rad = std::remainder(axis_rad + edge.axis_rad, M_PI);
       break;

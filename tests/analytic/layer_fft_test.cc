@@ -219,14 +219,14 @@ TEST(LayerFft, TwoEqualLayersAreOneUnderHalfTheGap) {
   EXPECT_NEAR(two.object_displacement_m / two.layer_displacement_m, 1, beside_centre);
   // A rigid object is the limit of a stiff one.
   const LayerContact stiff =
-      solve_layer_contact(RelativeRadii{0.04, 0.02}, layer, {0.002, 3e9, 0.48}, load_N);
+      solve_layer_contact(RelativeRadii{0.04, 0.02}, layer, ElasticLayer{0.002, 3e9, 0.48}, load_N);
   EXPECT_NEAR(stiff.approach_m / one.approach_m, 1, 2e-4);
 }
 
 TEST(LayerFft, CellsBalanceTheLoadAndAreComplementary) {
   const double load_N = 2;
   const LayerContact contact =
-      solve_layer_contact(RelativeRadii{0.03, 0.01}, {0.003, 2e5, 0.49}, {}, load_N);
+      solve_layer_contact(RelativeRadii{0.03, 0.01}, ElasticLayer{0.003, 2e5, 0.49}, {}, load_N);
   EXPECT_NEAR(contact.pressure_Pa.sum() * contact.grid.cell_area() / load_N, 1, 1e-12);
   EXPECT_GE(contact.pressure_Pa.minCoeff(), 0);
   EXPECT_LE(contact.residual, LayerContactOptions{}.tolerance);
@@ -255,8 +255,8 @@ TEST(LayerFft, AnswerOfAQuadricDoesNotDependOnTheUnits) {
     for (const double force : {1e-3, 1e3}) {
       const LayerContact other = solve_layer_contact(
           RelativeRadii{radii.major_m * length, radii.minor_m * length},
-          {layer.thickness_m * length, layer.youngs_modulus_Pa * force / (length * length),
-           layer.poisson_ratio},
+          ElasticLayer{layer.thickness_m * length,
+                       layer.youngs_modulus_Pa * force / (length * length), layer.poisson_ratio},
           {}, 1.7 * force);
       const double tolerance = 1e-12;
       EXPECT_NEAR(other.edge.a / (length * one.edge.a), 1, tolerance);
@@ -418,7 +418,7 @@ TEST(LayerFft, RefusesWhatItCannotSolve) {
   options.cells = 100;
   EXPECT_THROW(solve_layer_contact(radii, layer, {}, 1, options), InputError);
   EXPECT_THROW(solve_layer_contact(radii, layer, {}, -1), InputError);
-  EXPECT_THROW(solve_layer_contact(radii, {0.002, 2e5, 0.6}, {}, 1), InputError);
+  EXPECT_THROW(solve_layer_contact(radii, ElasticLayer{0.002, 2e5, 0.6}, {}, 1), InputError);
   const auto gap_m = [](double x, double y) { return (x * x + y * y) / 0.02; };
   // A contact larger than the window in which the gap is known.
   EXPECT_THROW(solve_layer_contact(gap_m, {0, 0, 1e-4, 1e-4}, layer, {}, 1), ConvergenceError);
@@ -465,7 +465,7 @@ TEST(Convolution, EqualsTheDirectSum) {
 TEST(Influence, OfAllCellsTogetherIsTheConfinedCompression) {
   // A uniform pressure compresses the layer by h/M; far cells do not matter.
   for (const double nu : {0.0, 0.3, 0.49, 0.5}) {
-    const fft::LayerStiffening stiffening{LayerKernel(nu), 100};
+    const fft::LayerStiffening stiffening{StackKernel(LayerKernel(nu), 1), 100};
     for (const double size : {0.4, 2.0}) {
       const fft::KernelQuadrant kernel =
           fft::influence_of_cells(128, 128, size, 0.8 * size, 1, &stiffening);

@@ -31,7 +31,13 @@ bool has_fitted_shape(const ContactProblem& problem) {
 const PressureModel& default_model(const ContactProblem& problem) noexcept {
   static const PressureModel &fingertip = *find_pressure_model("fingertip_layer"),
                              &layer = *find_pressure_model("bonded_layer"),
-                             &half_space = *find_pressure_model("hertz");
+                             &half_space = *find_pressure_model("hertz"),
+                             &round_stack = *find_pressure_model("layer_fredholm"),
+                             &stack = *find_pressure_model("layer_fft");
+  if (problem.stack.count > 1) {
+    constexpr double kRound = 1 + 1e-9;
+    return problem.radii.major_m <= kRound * problem.radii.minor_m ? round_stack : stack;
+  }
   if (has_fitted_shape(problem)) return fingertip;
   return layer.predict(problem).has_answer ? layer : half_space;
 }

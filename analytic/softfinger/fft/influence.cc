@@ -81,40 +81,53 @@ int lattice_steps(double size, double thickness) {
 
 }  // namespace
 
-LayerStiffening::LayerStiffening(const LayerKernel& kernel, double largest) {
+LayerStiffening::LayerStiffening(const StackKernel& kernel, double largest)
+    : depth_(kernel.depth()) {
   constexpr double kBand = 5;  // of distances that share one rule
-  const int count = static_cast<int>(std::min(largest, kReach) / kStep) + 6;
-  QuadratureRule rule;
-  double rule_end = -1;
-  for (int j = 0; j < count; ++j) {
-    const double t = kStep * j;
-    if (t > rule_end) {
-      rule_end = kBand * (1 + std::floor(t / kBand));
-      // About one and a half periods of J0 per panel of 16 points, and the kernel resolved.
-      rule = composite_gauss_legendre(kLargestLayerWaveNumber, std::min(1.5, 10 / rule_end));
-      for (Eigen::Index i = 0; i < rule.nodes.size(); ++i)
-        rule.weights[i] *= kernel.stiffening(rule.nodes[i]);
+  const auto tabulate = [&](double step, double end) {
+    std::vector<double> table;
+    const int count = static_cast<int>(end / step) + 6;
+    QuadratureRule rule;
+    double rule_end = -1;
+    for (int j = 0; j < count; ++j) {
+      const double t = step * j;
+      if (t > rule_end) {
+        const double band = kBand * step / kStep;
+        rule_end = band * (1 + std::floor(t / band));
+        // About one and a half periods of J0 per panel of 16 points, and the kernel resolved.
+        rule = composite_gauss_legendre(kLargestLayerWaveNumber,
+                                        std::min(1.5 / depth_, 10 / rule_end));
+        for (Eigen::Index i = 0; i < rule.nodes.size(); ++i)
+          rule.weights[i] *= kernel.stiffening(rule.nodes[i]);
+      }
+      double sum = 0;
+      for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+        if (rule.nodes[i] > 10 && std::abs(rule.weights[i]) < 1e-13) break;  // nothing follows
+        sum += rule.weights[i] * bessel_j0(rule.nodes[i] * t);
+      }
+      table.push_back(sum);
     }
-    double sum = 0;
-    for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
-      if (rule.nodes[i] > 10 && rule.weights[i] < 1e-13) break;  // nothing follows
-      sum += rule.weights[i] * bessel_j0(rule.nodes[i] * t);
-    }
-    table_.push_back(sum);
-  }
+    return table;
+  };
+  near_ = tabulate(kStep, std::min(largest, kReach));
+  if (depth_ > 1 && largest > kReach)
+    far_ = tabulate(kStep * depth_, std::min(largest, kReach * depth_));
 }
 
-double LayerStiffening::operator()(double t) const {
-  if (t >= kReach) return 1 / t;
-  // Polynomial through the six nearest points; the function is even.
-  const double u = t / kStep;
+/// Polynomial through the six nearest points; the function is even.
+double LayerStiffening::at_table(const std::vector<double>& table, double u) const {
   const int i = static_cast<int>(u);
   const double z = u - i;
-  const auto at = [&](int j) { return table_[static_cast<std::size_t>(std::abs(i + j))]; };
+  const auto at = [&](int j) { return table[static_cast<std::size_t>(std::abs(i + j))]; };
   const double m2 = z + 2, m1 = z + 1, p1 = z - 1, p2 = z - 2, p3 = z - 3;
   return -m1 * z * p1 * p2 * p3 / 120 * at(-2) + m2 * z * p1 * p2 * p3 / 24 * at(-1) -
          m2 * m1 * p1 * p2 * p3 / 12 * at(0) + m2 * m1 * z * p2 * p3 / 12 * at(1) -
          m2 * m1 * z * p1 * p3 / 24 * at(2) + m2 * m1 * z * p1 * p2 / 120 * at(3);
+}
+
+double LayerStiffening::operator()(double t) const {
+  if (t >= reach()) return 1 / t;
+  return t < kReach ? at_table(near_, t / kStep) : at_table(far_, t / (kStep * depth_));
 }
 
 KernelQuadrant influence_of_cells(int rows, int columns, double size_x, double size_y,
@@ -123,7 +136,7 @@ KernelQuadrant influence_of_cells(int rows, int columns, double size_x, double s
   constexpr double kNear = 16;
   const double near = kNear * std::max(size_x, size_y), area = size_x * size_y;
   KernelQuadrant result = KernelQuadrant::Zero(rows + 1, columns + 1);
-  const double cutoff = LayerStiffening::reach() * thickness;
+  const double cutoff = stiffening ? stiffening->reach() * thickness : 0;
 
   const int near_rows = static_cast<int>(std::min<double>(rows, near / size_y + 1));
   const int near_columns = static_cast<int>(std::min<double>(columns, near / size_x + 1));

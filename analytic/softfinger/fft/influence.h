@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "softfinger/fft/convolution.h"
-#include "softfinger/layer/layer_kernel.h"
+#include "softfinger/layer/stack_kernel.h"
 
 namespace softfinger::fft {
 
@@ -11,20 +11,26 @@ namespace softfinger::fft {
 /// point force falls short of a half-space's, as a function of the distance. With t = r/h,
 ///   E* pi h (u_halfspace - u)(r) / F = S(t) = int_0^inf (1 - w(x)) J0(x t) dx
 /// (the Hankel transform of the kernel in layer_kernel.h). Smooth, S ~ 1/t far away, where it
-/// cancels the half-space's 1/r.
+/// cancels the half-space's 1/r. Of a stack h is the thickness of the surface's sublayer.
 class LayerStiffening {
  public:
-  /// Tabulates S for distances up to `largest` (or `reach()`, if that is less): at most 10 ms.
-  LayerStiffening(const LayerKernel& kernel, double largest);
+  /// Tabulates S for distances up to `largest` (or `reach()`, if that is less): at most 10 ms, of a
+  /// stack that is ten times as deep as its first sublayer 0.2 s.
+  LayerStiffening(const StackKernel& kernel, double largest);
 
   /// S(t), 0 <= t <= largest, absolute error about 3e-8. Beyond `reach()` 1/t, that is u = 0: the
   /// rest of the displacement decays exponentially and is below 1e-10 F/(E* h).
   double operator()(double t) const;
-  static double reach() { return kReach; }
+  double reach() const { return kReach * depth_; }
+  /// Reach of a kernel's stiffening, over its h.
+  static double reach(const StackKernel& kernel) { return kReach * kernel.depth(); }
 
  private:
   static constexpr double kReach = 30, kStep = 0.1;
-  std::vector<double> table_;
+  double at_table(const std::vector<double>& table, double steps) const;
+
+  double depth_;                    ///< of all sublayers, over h
+  std::vector<double> near_, far_;  ///< by steps of h up to kReach, and of the depth beyond
 };
 
 /// Displacement of the surface of a half-space or a bonded layer, averaged over one rectangular

@@ -21,9 +21,9 @@ constexpr double kMargin = 1.15;  // of the final grid around the contact
 
 /// Lengths in a unit L, heights in P/(E* L), pressures in P/L²: the load is 1.
 struct DimensionlessLayer {
-  double thickness = 0;
-  double compliance = 1;  // E* of the first layer over that of this one
-  double poisson_ratio = 0;
+  double thickness = 0;   // of the surface's sublayer
+  double compliance = 1;  // E* of the first layer's surface over that of this one's
+  StackKernel kernel;
 };
 
 struct Box {
@@ -62,11 +62,10 @@ class Kernels {
       throw ConvergenceError("layer contact", 0, std::max(size_x, size_y) / h,
                              "the layer is so thin that no grid resolves it: use the limit of a "
                              "thin layer");
-    const double farthest =
-        std::min(std::hypot(size_x, size_y) * (cells + 2) / h, fft::LayerStiffening::reach());
+    const double farthest = std::min(std::hypot(size_x, size_y) * (cells + 2) / h,
+                                     fft::LayerStiffening::reach(layers_[i].kernel));
     if (farthest > reach_[i]) {
-      tables_[i] =
-          std::make_unique<fft::LayerStiffening>(LayerKernel(layers_[i].poisson_ratio), farthest);
+      tables_[i] = std::make_unique<fft::LayerStiffening>(layers_[i].kernel, farthest);
       reach_[i] = farthest;
     }
     return layers_[i].compliance *
@@ -458,20 +457,25 @@ void require(bool condition, const char* field, double value, const char* allowe
 
 bool positive(double value) { return value > 0 && std::isfinite(value); }
 
-std::vector<DimensionlessLayer> dimensionless_layers(const ElasticLayer& layer,
-                                                     const ElasticLayer& object_layer,
+std::vector<DimensionlessLayer> dimensionless_layers(const LayerStack& layer,
+                                                     const LayerStack& object_layer,
                                                      double length) {
   std::vector<DimensionlessLayer> layers;
-  for (const ElasticLayer* one : {&layer, &object_layer}) {
-    if (one == &object_layer && object_layer.thickness_m == 0) break;
-    require(positive(one->thickness_m), "thickness_m", one->thickness_m, "positive and finite");
-    require(positive(one->youngs_modulus_Pa), "youngs_modulus_Pa", one->youngs_modulus_Pa,
-            "positive and finite");
-    require(one->poisson_ratio >= 0 && one->poisson_ratio <= 0.5, "poisson_ratio",
-            one->poisson_ratio, "0 to 0.5");
-    layers.push_back({one->thickness_m / length,
-                      layer.plane_strain_modulus_Pa() / one->plane_strain_modulus_Pa(),
-                      one->poisson_ratio});
+  for (const LayerStack* stack : {&layer, &object_layer}) {
+    if (stack == &object_layer && object_layer.count == 0) break;
+    require(stack->count > 0, "thickness_m", 0, "positive and finite");
+    for (std::size_t i = 0; i < stack->count; ++i) {
+      const ElasticLayer& one = stack->sublayers[i];
+      require(positive(one.thickness_m), "thickness_m", one.thickness_m, "positive and finite");
+      require(positive(one.youngs_modulus_Pa), "youngs_modulus_Pa", one.youngs_modulus_Pa,
+              "positive and finite");
+      require(one.poisson_ratio >= 0 && one.poisson_ratio <= 0.5, "poisson_ratio",
+              one.poisson_ratio, "0 to 0.5");
+    }
+    layers.push_back(
+        {stack->surface().thickness_m / length,
+         layer.surface().plane_strain_modulus_Pa() / stack->surface().plane_strain_modulus_Pa(),
+         StackKernel(*stack)});
   }
   return layers;
 }
@@ -515,7 +519,7 @@ double LayerContact::pressure_at_Pa(double x_m, double y_m) const {
 }
 
 LayerContact solve_layer_contact(const GapFunction& gap_m, const GapWindow& window,
-                                 const ElasticLayer& layer, const ElasticLayer& object_layer,
+                                 const LayerStack& layer, const LayerStack& object_layer,
                                  double load_N, const LayerContactOptions& options) {
   require(positive(load_N), "normal_force_N", load_N, "positive and finite");
   require(positive(window.half_width_x_m), "half_width_x_m", window.half_width_x_m,
@@ -525,7 +529,7 @@ LayerContact solve_layer_contact(const GapFunction& gap_m, const GapWindow& wind
   const double length = std::sqrt(window.half_width_x_m) * std::sqrt(window.half_width_y_m);
   Problem problem;
   problem.layers = dimensionless_layers(layer, object_layer, length);
-  const double height = load_N / (layer.plane_strain_modulus_Pa() * length);
+  const double height = load_N / (layer.surface().plane_strain_modulus_Pa() * length);
   problem.gap = [&](double x, double y) { return gap_m(length * x, length * y) / height; };
   problem.window = {window.centre_x_m / length, window.centre_y_m / length,
                     window.half_width_x_m / length, window.half_width_y_m / length};
@@ -534,15 +538,15 @@ LayerContact solve_layer_contact(const GapFunction& gap_m, const GapWindow& wind
   return contact;
 }
 
-LayerContact solve_layer_contact(const RelativeRadii& radii, const ElasticLayer& layer,
-                                 const ElasticLayer& object_layer, double load_N,
+LayerContact solve_layer_contact(const RelativeRadii& radii, const LayerStack& layer,
+                                 const LayerStack& object_layer, double load_N,
                                  const LayerContactOptions& options) {
   require(positive(load_N), "normal_force_N", load_N, "positive and finite");
   require(positive(radii.minor_m), "minor_m", radii.minor_m, "positive and finite");
   require(radii.major_m >= radii.minor_m && std::isfinite(radii.major_m), "major_m", radii.major_m,
           "finite and not below the minor radius");
   // In the unit of the Hertz contact the load and the mean curvature are 1.
-  const double modulus_Pa = layer.plane_strain_modulus_Pa();
+  const double modulus_Pa = layer.surface().plane_strain_modulus_Pa();
   const double mean_radius_m = std::sqrt(radii.major_m) * std::sqrt(radii.minor_m);
   const double length = std::cbrt(load_N / modulus_Pa * mean_radius_m);
   const double height = length * (length / mean_radius_m);

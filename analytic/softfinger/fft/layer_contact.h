@@ -58,15 +58,17 @@ struct LayerContact {
   int convolutions = 0;            ///< on the final grid
   double residual = 0;             ///< rms of the gap in the contact over the approach
   double penetration = 0;          ///< largest overlap outside the contact over the approach
-  double cells_per_thickness = 0;  ///< thinnest layer over the larger side of a cell
+  double cells_per_thickness = 0;  ///< thinnest layer (of a stack the surface's sublayer) over the
+                                   ///< larger side of a cell
 
   /// Pressure at a point, continuous and zero at `edge`: the cells' p², which vanishes linearly
   /// there, divided by 1 - r² and interpolated. Integrates to the load within about 1e-3.
   double pressure_at_Pa(double x_m, double y_m) const;
 };
 
-/// Contact of a gap with an elastic layer bonded to a rigid base, and where `object_layer` has a
-/// thickness, with a second one bonded to the object: their displacements add.
+/// Contact of a gap with an elastic layer (or a stack of sublayers) bonded to a rigid base, and
+/// where `object_layer` has a thickness, with a second one bonded to the object: their
+/// displacements add.
 ///
 /// Minimises the complementary energy over pressures that are constant per cell and not negative
 /// (a Galerkin method, whose energy, approach and moments converge much faster than the pressure
@@ -85,14 +87,14 @@ struct LayerContact {
 ///                           than 1/64 of a cell, or the iteration stalls
 /// Cost: about 40 ms at 128 cells (one core), 12 MB.
 LayerContact solve_layer_contact(const GapFunction& gap_m, const GapWindow& window,
-                                 const ElasticLayer& layer, const ElasticLayer& object_layer,
+                                 const LayerStack& layer, const LayerStack& object_layer,
                                  double load_N, const LayerContactOptions& options = {});
 
 /// Solves the contact for the quadric gap x²/(2R') + y²/(2R''), x along the larger radius, on a
 /// quarter of the grid: about 15 ms. The dimensionless problem is rounded to 40 bits, so that the
 /// answer does not depend on the units.
-LayerContact solve_layer_contact(const RelativeRadii& radii, const ElasticLayer& layer,
-                                 const ElasticLayer& object_layer, double load_N,
+LayerContact solve_layer_contact(const RelativeRadii& radii, const LayerStack& layer,
+                                 const LayerStack& object_layer, double load_N,
                                  const LayerContactOptions& options = {});
 
 }  // namespace softfinger

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 /// The problem that every model of this project solves: an elastic layer on a rigid core, the
@@ -27,6 +29,26 @@ struct ElasticLayer {
     return compressibility > 0
                ? youngs_modulus_Pa * (1 - poisson_ratio) / ((1 + poisson_ratio) * compressibility)
                : std::numeric_limits<double>::infinity();
+  }
+};
+
+/// Layers that are bonded to each other, from the surface inwards, and to a rigid base.
+struct LayerStack {
+  static constexpr std::size_t kMost = 8;
+  std::array<ElasticLayer, kMost> sublayers{};
+  std::size_t count = 0;  ///< 0: none
+
+  LayerStack() = default;
+  /// One layer; none if it has no thickness.
+  LayerStack(const ElasticLayer& layer) : count(layer.thickness_m == 0 ? 0 : 1) {
+    sublayers[0] = layer;
+  }
+
+  const ElasticLayer& surface() const { return sublayers[0]; }
+  double thickness_m() const {
+    double sum_m = 0;
+    for (std::size_t i = 0; i < count; ++i) sum_m += sublayers[i].thickness_m;
+    return sum_m;
   }
 };
 
@@ -93,7 +115,12 @@ struct ContactProblem {
   /// The object is the exact sphere, not its paraboloid. Only models of large deformation see it.
   bool is_object_spherical = false;
 
+  /// Sublayers of the finger's layer, for models that know them (`PressureModel::knows_stacks`);
+  /// `layer` is then the homogeneous layer that stands for them. None: the layer is homogeneous.
+  LayerStack stack{};
+
   bool has_object_layer() const { return object_layer.thickness_m > 0; }
+  LayerStack finger_layers() const { return stack.count > 0 ? stack : LayerStack(layer); }
 };
 
 }  // namespace softfinger

@@ -45,9 +45,11 @@ QuadratureRule wave_rule(double a_m, const std::vector<CompliantLayer>& layers) 
   std::vector<QuadratureRule> rules;
   Eigen::Index count = 0;
   for (const CompliantLayer& layer : layers) {
-    const double s = a_m / layer.thickness_m;
-    // One panel resolves one unit of k h and the 12 radians of a product of two cosines.
-    QuadratureRule rule = composite_gauss_legendre(kLargestLayerWaveNumber * s, std::min(s, 6.0));
+    const double s = a_m / layer.kernel.thickness_m();
+    // One panel resolves one unit of k times the depth and the 12 radians of a product of two
+    // cosines.
+    QuadratureRule rule = composite_gauss_legendre(kLargestLayerWaveNumber * s,
+                                                   std::min(s / layer.kernel.depth(), 6.0));
     for (Eigen::Index i = 0; i < rule.nodes.size(); ++i)
       rule.weights[i] *= layer.share * layer.kernel.stiffening(rule.nodes[i] / s);
     count += rule.nodes.size();
@@ -64,8 +66,9 @@ QuadratureRule wave_rule(double a_m, const std::vector<CompliantLayer>& layers) 
 }
 
 double thinnest(const std::vector<CompliantLayer>& layers) {
-  double thickness_m = layers.front().thickness_m;
-  for (const CompliantLayer& layer : layers) thickness_m = std::min(thickness_m, layer.thickness_m);
+  double thickness_m = layers.front().kernel.thickness_m();
+  for (const CompliantLayer& layer : layers)
+    thickness_m = std::min(thickness_m, layer.kernel.thickness_m());
   return thickness_m;
 }
 
@@ -160,13 +163,17 @@ CircularLayerContact circular_layer_contact_at_load(double load_over_modulus_m2,
                                                     const std::vector<CompliantLayer>& layers) {
   constexpr int kMaxIterations = 60;
   constexpr double kTolerance = 1e-13;
-  // The half-space's contact is larger than any layer's.
+  double softest = 0;
+  for (const CompliantLayer& layer : layers) softest += layer.share * layer.kernel.softest();
+  // The half-space's contact is larger than any layer's, and that of the softest sublayer's
+  // material larger than any stack's.
   const double hertz = std::log(std::cbrt(0.75 * load_over_modulus_m2 * radius_m));
   const double limit = std::log(kLargestCircularContact * thinnest(layers));
-  double lower = -std::numeric_limits<double>::infinity(), upper = hertz;
-  // The slope dlnP/dlna is 3 to 7: from a start at two thicknesses (where solutions are cheap), a
-  // secant kept inside the bracket.
-  constexpr double kSmallestSlope = 2.9, kLargestSlope = 8;
+  double lower = -std::numeric_limits<double>::infinity(), upper = hertz + std::log(softest) / 3;
+  // The slope dlnP/dlna is 3 to 7, less where a contact outgrows a firm skin: from a start at two
+  // thicknesses (where solutions are cheap), a secant kept inside the bracket.
+  const double smallest_slope = softest > 1 ? 1 : 2.9;
+  constexpr double kLargestSlope = 8;
   double log_a = std::min(hertz, limit - std::log(kLargestCircularContact / 2));
   double previous = 0, previous_residual = 0, slope = 4;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
@@ -175,7 +182,7 @@ CircularLayerContact circular_layer_contact_at_load(double load_over_modulus_m2,
         contact_of(a_m, radius_m, solve(a_m, layers)).load_over_modulus_m2 / load_over_modulus_m2);
     if (!std::isfinite(residual)) return {};
     if (iteration > 0 && log_a != previous)
-      slope = std::clamp((residual - previous_residual) / (log_a - previous), kSmallestSlope,
+      slope = std::clamp((residual - previous_residual) / (log_a - previous), smallest_slope,
                          kLargestSlope);
     const double step = -residual / slope;
     // Done when the load is met to rounding, or to the rounding of the logarithm of a tiny radius.

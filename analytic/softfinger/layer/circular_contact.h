@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "softfinger/layer/layer_kernel.h"
+#include "softfinger/layer/stack_kernel.h"
 
 namespace softfinger {
 
@@ -22,11 +22,15 @@ struct CircularLayerContact {
   double pressure_scale = 0;
 };
 
-/// One of the layers that share the deformation.
+/// One of the layers, or stacks of sublayers, that share the deformation.
 struct CompliantLayer {
-  LayerKernel kernel;
-  double thickness_m;
+  StackKernel kernel;
   double share;  ///< of the half-spaces' compliance: (1/E*_i) / (1/E*); they add up to one
+
+  CompliantLayer(const StackKernel& of_layer, double of_compliance)
+      : kernel(of_layer), share(of_compliance) {}
+  CompliantLayer(const LayerKernel& layer, double thickness_m, double of_compliance)
+      : kernel(layer, thickness_m), share(of_compliance) {}
 };
 
 /// Exact axisymmetric solution for a given contact radius: the Fredholm equation
@@ -40,7 +44,7 @@ struct CompliantLayer {
 /// a/h = 20, 1e-6 to 50 and 1e-4 to 120 (at nu = 1/2, where it is largest). Cost: 0.3 ms (a/h = 1)
 /// to 0.5 s (a/h = 120). Allocates.
 ///
-/// `a_m` > 0 and at most 120 times any thickness.
+/// `a_m` > 0 and at most 120 times any thickness, of a stack that of the surface's sublayer.
 CircularLayerContact circular_layer_contact(double a_m, double radius_m,
                                             const std::vector<CompliantLayer>& layers);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <utility>
 
@@ -14,6 +15,9 @@ inline bool same_pressure(const ContactProblem& one, const ContactProblem& other
     return a.thickness_m == b.thickness_m && a.youngs_modulus_Pa == b.youngs_modulus_Pa &&
            a.poisson_ratio == b.poisson_ratio;
   };
+  if (one.stack.count != other.stack.count) return false;
+  for (std::size_t i = 0; i < one.stack.count; ++i)
+    if (!same(one.stack.sublayers[i], other.stack.sublayers[i])) return false;
   return one.radii.major_m == other.radii.major_m && one.radii.minor_m == other.radii.minor_m &&
          same(one.layer, other.layer) && same(one.object_layer, other.object_layer) &&
          one.load.normal_force_N == other.load.normal_force_N;

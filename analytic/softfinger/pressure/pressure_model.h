@@ -138,6 +138,9 @@ class PressureModel {
   virtual ~PressureModel() = default;
   virtual const ModelCard& card() const noexcept = 0;
 
+  /// Whether `ContactProblem::stack` counts. The others answer for `layer`.
+  virtual bool knows_stacks() const noexcept { return false; }
+
   /// Never throws, never returns NaN or infinity, never allocates when `card().hot_path`. The
   /// problem must satisfy the ranges in contact_problem.h; assumptions that it violates come back
   /// as `Prediction::validity`.

@@ -45,8 +45,8 @@ struct Solution {
 const Solution& solution_of(const ContactProblem& problem) {
   return last_solution<Solution>(problem, [&] {
     Solution solution;
-    solution.contact = solve_layer_contact(problem.radii, problem.layer, problem.object_layer,
-                                           problem.load.normal_force_N);
+    solution.contact = solve_layer_contact(problem.radii, problem.finger_layers(),
+                                           problem.object_layer, problem.load.normal_force_N);
     const double load_N = integrate_contact(solution.contact.edge, [&](double x, double y) {
       return solution.contact.pressure_at_Pa(x, y);
     });
@@ -104,7 +104,8 @@ class LayerFft final : public PressureModel {
     static const ModelCard card{
         "layer_fft",
         "Bonded elastic layers, solved on a grid of 128 x 128 cells",
-        "Linear elasticity; layers of any thickness bonded to rigid bases, the finger's and, where "
+        "Linear elasticity; layers of any thickness, homogeneous or of bonded sublayers, on rigid "
+        "bases, the finger's and, where "
         "there is one, the object's; no friction in the normal problem; the gap is a quadric or "
         "any smooth one (softfinger predict --gap sampled), shallow inside the contact. The "
         "contact's edge is free: a and b are those of its best-fitting ellipse.",
@@ -125,6 +126,8 @@ class LayerFft final : public PressureModel {
          "across the edge, which lies within a cell; a and b are within 0.1 %"}};
     return card;
   }
+
+  bool knows_stacks() const noexcept override { return true; }
 
   Prediction predict(const ContactProblem& problem) const noexcept override {
     const ValidityCheck violation = first_range_violation(problem);
@@ -175,7 +178,7 @@ namespace softfinger {
 GapPrediction predict_layer_fft(const GapFunction& gap_m, const GapWindow& window,
                                 const ContactProblem& problem) {
   GapPrediction result;
-  result.contact = solve_layer_contact(gap_m, window, problem.layer, problem.object_layer,
+  result.contact = solve_layer_contact(gap_m, window, problem.finger_layers(), problem.object_layer,
                                        problem.load.normal_force_N);
   result.prediction = models::to_prediction(result.contact);
   result.prediction.validity.add(

@@ -14,7 +14,7 @@ namespace {
 constexpr double kRound = 1 + 1e-9;
 
 double combined_modulus_Pa(const ContactProblem& problem) noexcept {
-  const double finger_Pa = problem.layer.plane_strain_modulus_Pa();
+  const double finger_Pa = problem.finger_layers().surface().plane_strain_modulus_Pa();
   if (!problem.has_object_layer()) return finger_Pa;
   return 1 / (1 / finger_Pa + 1 / problem.object_layer.plane_strain_modulus_Pa());
 }
@@ -26,11 +26,10 @@ double mean_radius_m(const ContactProblem& problem) noexcept {
 std::vector<CompliantLayer> compliant_layers(const ContactProblem& problem) {
   const double modulus_Pa = combined_modulus_Pa(problem);
   std::vector<CompliantLayer> layers;
-  const auto add = [&](const ElasticLayer& layer) {
-    layers.push_back({LayerKernel(layer.poisson_ratio), layer.thickness_m,
-                      modulus_Pa / layer.plane_strain_modulus_Pa()});
+  const auto add = [&](const LayerStack& stack) {
+    layers.push_back({StackKernel(stack), modulus_Pa / stack.surface().plane_strain_modulus_Pa()});
   };
-  add(problem.layer);
+  add(problem.finger_layers());
   if (problem.has_object_layer()) add(problem.object_layer);
   return layers;
 }
@@ -46,12 +45,12 @@ const CircularLayerContact& solution_of(const ContactProblem& problem) {
 /// The strain of each layer. They share the indentation as their compliances at the wave number
 /// 1/a, about which the pressure's spectrum lies.
 ValidityCheck strain_check(const Prediction& prediction, const ContactProblem& problem) noexcept {
-  const auto compliance_per_Pa = [&](const ElasticLayer& layer) {
-    return LayerKernel(layer.poisson_ratio).compliance(layer.thickness_m / prediction.a_m) /
-           layer.plane_strain_modulus_Pa();
+  const auto compliance_per_Pa = [&](const LayerStack& stack) {
+    return StackKernel(stack).compliance(stack.surface().thickness_m / prediction.a_m) /
+           stack.surface().plane_strain_modulus_Pa();
   };
   return small_strain_check(
-      prediction, problem, compliance_per_Pa(problem.layer),
+      prediction, problem, compliance_per_Pa(problem.finger_layers()),
       problem.has_object_layer() ? compliance_per_Pa(problem.object_layer) : 0);
 }
 
@@ -61,7 +60,8 @@ class LayerFredholm final : public PressureModel {
     static const ModelCard card{
         "layer_fredholm",
         "Round contact on a layer, solved live",
-        "Linear elasticity; the layer is bonded to its rigid base and wide against the contact; "
+        "Linear elasticity; the layer, homogeneous or of sublayers that are bonded to each other, "
+        "is bonded to its rigid base and wide against the contact; "
         "the gap is r²/(2R) (R' = R''), shallow inside the contact; no friction in the normal "
         "problem. "
         "A layer on the object adds its own compliance.",
@@ -80,6 +80,8 @@ class LayerFredholm final : public PressureModel {
          "itself is within 1e-4 at a/h = 120"}};
     return card;
   }
+
+  bool knows_stacks() const noexcept override { return true; }
 
   Prediction predict(const ContactProblem& problem) const noexcept override {
     const ValidityCheck violation = first_range_violation(problem);
