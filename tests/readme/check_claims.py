@@ -132,13 +132,13 @@ def main():
     print("e_n goes with P^{:.3f} to P^{:.3f}".format(*growth))
     exponents = r"P\^\(([0-9/]+)\) to P\^\(([0-9/]+)\)"
     # Fractions that are easy to remember; 1/3 is the exponent of a half-space.
-    claims.check(["README.md"], "grows about as " + exponents, growth, 0.03)
+    claims.check(["docs/mujoco_in_five_minutes.md"], "grows about as " + exponents, growth, 0.03)
     claims.check(["softfinger", "export", "--help"], "by about " + exponents, growth, 0.03)
     claims.check(["comparisons/exporting/mujoco/softfinger_mujoco.h"], "with about " + exponents, growth, 0.03)
 
     error = error_of_constant(program)
     print("a constant e_n is {:.1f} to {:.1f} % too large at P/3, {:.1f} to {:.1f} % too small at 3P".format(*error))
-    claims.check(["README.md"], r"(\d+) to (\d+) % too large at P/3 and (\d+) to (\d+) % too small at 3P", error, 1)
+    claims.check(["docs/mujoco_in_five_minutes.md"], r"(\d+) to (\d+) % too large at P/3 and (\d+) to (\d+) % too small at 3P", error, 1)
 
     turn = turn_of_presliding(program, arguments.source)
     print("lift_box turns by {:.1f} to {:.1f} degrees at {:.0f} to {:.0f} % of the limit".format(*turn))
