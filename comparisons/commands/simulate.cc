@@ -246,7 +246,7 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
     laws += fmt::format("  {:<14}{}\n", law->name, law->description);
   command->footer(
       "A scene has [simulation], [[body]], and may have [[layer]], [[joint]], [[loop]], [[motor]], "
-      "[[force]]\nand [[contact]]; see the built-in ones and README.md. At most 1000 bodies "
+      "[[force]]\nand [[contact]]; see the built-in ones and docs/files.md. At most 1000 bodies "
       "(copies counted) "
       "and as many joints and forces,\n20000 contacts, 100 shapes per body, 10000 times per table, "
       "a "
