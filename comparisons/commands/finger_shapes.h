@@ -92,6 +92,13 @@ std::string as_pad(const ShapedFinger& finger, std::string advice);
 /// @throws InputError
 exporting::ContactCurve ask_contact_curve(const ShapedFinger& finger, const ContactChoice& choice);
 
+/// "or a flat side, 6 x 14.3 mm: --pad jaw:1,2,3", the largest flat face of the finger's mesh that
+/// makes a usable pad, tried; empty: none, or the finger is no mesh.
+std::string flat_pad_in_words(const exporting::RobotShapes& shapes,
+                              const exporting::FingerParts& parts, const ShapedFinger& finger,
+                              const ShapeChoice& typed, const ContactChoice& choice,
+                              RobotMeshes& meshes);
+
 /// The contact that a model finds must lie on one part of the shape.
 /// @throws InputError where it reaches the seam to another one
 void require_on_one_part(const ShapedFinger& finger, const exporting::ContactCurve& curve);

@@ -11,6 +11,7 @@
 
 #include "comparisons/input/mesh_file.h"
 #include "comparisons/judgement/assessment.h"
+#include "comparisons/judgement/pads.h"
 #include "comparisons/judgement/reason.h"
 #include "comparisons/prediction/flat_faces.h"
 #include "comparisons/prediction/mesh_points.h"
@@ -141,6 +142,36 @@ std::string nearest_point(const input::Case& contact_case, const GeometryResolve
   return "";
 }
 
+/// The best place of the whole finger at which a recommended model is usable, in words; "" if none
+/// was found.
+std::string best_place(const input::Case& contact_case, const GeometryResolver& resolver,
+                       double load_N, const Demand& demand) {
+  const char* name = nullptr;
+  const input::MeshBody* mesh = mesh_of(contact_case, &name);
+  if (!mesh || name != std::string("finger")) return "";
+  Pressing pressing;
+  pressing.layer = contact_case.layer;
+  pressing.load_N = load_N;
+  pressing.friction_coefficient = contact_case.shear_law.friction_coefficient;
+  pressing.demand = demand;
+  input::Case tried = contact_case;
+  for (const Pad& pad :
+       find_pads(resolver.surface(*mesh), input::MeshRole::finger, pressing, {}, true).best_first) {
+    if (!pad.is_usable()) continue;
+    input::MeshBody moved = *mesh;
+    moved.along.reset();
+    moved.normal.reset();
+    moved.near_m = pad.point_m;
+    std::get<input::BodyPair>(tried.geometry).finger = moved;
+    const GeometryResolver elsewhere(tried, &resolver);
+    if (const auto usable = usable_model(tried, elsewhere, load_N, demand))
+      return fmt::format("press on another side, facing {:.2f}, {:.2f}, {:.2f} ({}): {}",
+                         pad.normal.x(), pad.normal.y(), pad.normal.z(), bound_text(*usable),
+                         body_line(name, elsewhere.placed(moved), pad.point_m));
+  }
+  return "";
+}
+
 /// A load that is usable, as near to the case's as three halvings of the gap between them find it;
 /// "" if there is none within a factor of 256.
 std::string other_load(const input::Case& contact_case, const GeometryResolver& resolver,
@@ -245,8 +276,10 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
     result.step = fmt::format("--model {} is usable, within {}", other->model->card().name,
                               text::percent(other->worst));
   // Another point does not help where the mesh leaves little open.
-  if (result.step.empty() && !answer.assessment->determined)
+  if (result.step.empty() && !answer.assessment->determined) {
     result.step = nearest_point(contact_case, resolver, load_N, demand);
+    if (result.step.empty()) result.step = best_place(contact_case, resolver, load_N, demand);
+  }
   if (result.step.empty()) result.step = other_load(contact_case, resolver, load_N, demand);
   result.step = with_alternative(result.step, contact_case);
   return result;
@@ -268,6 +301,7 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
     return result;
   }
   result.step = nearest_point(contact_case, resolver, load_N, demand);
+  if (result.step.empty()) result.step = best_place(contact_case, resolver, load_N, demand);
   if (result.step.empty()) result.step = other_load(contact_case, resolver, load_N, demand);
   result.step = with_alternative(result.step, contact_case);
   return result;
