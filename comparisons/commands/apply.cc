@@ -485,6 +485,10 @@ std::vector<FingerContact> contacts_of(const ApplyOptions& options, const Simula
       }
     }
     ContactCurve curve = known->second;
+    if (!curve.nominal.assessment.usable && shaped->flat) {
+      add(pad_contact_of(options, simulator, format, *shaped, parts));
+      continue;
+    }
     if (!curve.nominal.assessment.usable)
       curve.advice = with_flat_side(curve.advice, *shaped, found[i]);
     curve.case_id = contact_case.id;

@@ -173,10 +173,15 @@ class Fingers {
     std::string reason;
     Vector3d direction = closing(body, middle, reason);
     if (direction.isZero(0)) direction = towards_others(body, middle, reason);
+    if (direction.isZero(0) && shapes.size() == 1 &&
+        std::holds_alternative<input::Sphere>(shapes.front()->kind)) {
+      direction = Vector3d::UnitZ();
+      reason = "as all its sides are alike";
+    }
     if (direction.isZero(0)) {
       std::string end;
       if (const auto farthest = away_from_joints(body, middle))
-        end = fmt::format("--pad {}:{}, its end away from the joint, or another ", finger.name,
+        end = fmt::format("--pad {}:{}, its far end, or another ", finger.name,
                           direction_words(*farthest));
       throw InputError(finger.elements.front()->where(),
                        "the pad of " + in_quotes(finger.name) +
@@ -299,24 +304,26 @@ class Fingers {
     return Vector3d::Zero();
   }
 
-  /// The axis of the body along which it reaches farthest away from the joint on which it hangs, or
-  /// from the next one up the chain where its middle lies on that joint; null without a joint.
+  /// The axis of the body along which its middle lies farthest from the joint on which it hangs, or
+  /// from the next one up the chain where it lies on that joint, or from its origin without a
+  /// joint; null where it lies on them all.
   std::optional<Vector3d> away_from_joints(std::size_t body, const Vector3d& middle) const {
     constexpr double kOnJoint_m = 1e-3;
     const RobotBody& own = shapes_.bodies[body];
-    for (int carrier = int(body); carrier >= 0;
+    Vector3d arm = Vector3d::Zero();
+    for (int carrier = int(body); carrier >= 0 && arm.norm() < kOnJoint_m;
          carrier = shapes_.bodies[std::size_t(carrier)].parent) {
       const RobotBody& moved = shapes_.bodies[std::size_t(carrier)];
-      if (!own.is_placed && &own != &moved) return std::nullopt;
+      if (!own.is_placed && &own != &moved) break;
       if (moved.joints.empty()) continue;
-      const Vector3d arm = own.in_world.linear().transpose() *
-                           (own.in_world * middle - moved.in_world * moved.joints.back().anchor_m);
-      if (arm.norm() < kOnJoint_m) continue;
-      int axis = 0;
-      arm.cwiseAbs().maxCoeff(&axis);
-      return Vector3d((arm[axis] > 0 ? 1. : -1.) * Vector3d(Vector3d::Unit(axis)));
+      arm = own.in_world.linear().transpose() *
+            (own.in_world * middle - moved.in_world * moved.joints.back().anchor_m);
     }
-    return std::nullopt;
+    if (arm.norm() < kOnJoint_m) arm = middle;
+    if (arm.norm() < kOnJoint_m) return std::nullopt;
+    int axis = 0;
+    arm.cwiseAbs().maxCoeff(&axis);
+    return Vector3d((arm[axis] > 0 ? 1. : -1.) * Vector3d(Vector3d::Unit(axis)));
   }
 
   /// The direction to the other fingers, or to the other jaw of a gripper.
@@ -692,16 +699,10 @@ std::string flat_pad_in_words(const RobotShapes& shapes, const exporting::Finger
                               const ContactChoice& choice, RobotMeshes& meshes) {
   const auto* named = std::get_if<NamedMesh>(&finger.shape.kind);
   if (!named || !typed.object_radius_mm.empty()) return "";
-  // A facet of a coarse round mesh is flat, too: it is neither a twentieth of the surface nor much
-  // larger than other facets. A plane reaches only outermost faces.
   constexpr std::size_t kMostFaces = 6;
-  constexpr double kLeastShare = 0.05, kMeanFacets = 100;
-  const TriangleSurface& surface = meshes.read(*named).surface;
-  const double least_share = std::min(kLeastShare, kMeanFacets / double(surface.triangles.size()));
-  const double least_m2 = least_share * prediction::facts_of(surface).area_m2;
   std::size_t count = 0;
-  for (const prediction::FlatFace& face : prediction::flat_faces(surface)) {
-    if (!face.is_outermost || face.area_m2 < least_m2) continue;
+  for (const prediction::FlatFace& face : prediction::flat_faces(meshes.read(*named).surface)) {
+    if (!face.is_outermost) continue;  // a plane does not reach it
     if (++count > kMostFaces) break;
     const std::string pad = typed_pad(finger.name, finger.shape.in_body * face.middle_m);
     ShapeChoice tried = typed;

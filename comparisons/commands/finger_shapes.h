@@ -70,7 +70,7 @@ struct ShapedFinger {
   std::optional<exporting::ShapePad> pad;  ///< of a shape in closed form
   input::Case contact_case;
   /// The flat face on which the pad lies, if any, and its case. A mesh may be flat for a file's
-  /// rounding only: there the case of its curvature counts, as long as it has an answer.
+  /// rounding only: there the case of its curvature counts, as long as its answer is usable.
   std::optional<exporting::FlatEnd> flat;
   input::Case pad_case;
   std::size_t flush = 0;  ///< other shapes of the finger that end in the pad's plane

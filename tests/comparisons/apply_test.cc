@@ -729,46 +729,56 @@ TEST_F(Apply, ARefusedPadNamesOneThatIsTaken) {
   // A joint that turns as far to both sides says nothing. The geom is tilted out of the joint.
   folder.write("shapes.xml",
                "<mujoco><worldbody><body name='leg'><joint axis='0 1 0' range='-60 60'/>"
-               "<geom name='foot' pos='.01 0 -.05' size='.008'/></body></worldbody></mujoco>");
+               "<geom name='foot' pos='.01 0 -.05' type='capsule' size='.008 .01'/>"
+               "<body name='ball'><geom size='.008'/></body></body></worldbody></mujoco>");
   const ProgramRun side = apply_shapes(start, {"--finger", "foot"});
   EXPECT_EQ(side.status, 2);
   EXPECT_EQ(proposed_pad(side.err, "allowed: "), "foot:-z") << side.err;
   taken("foot", "foot:-z");
+  // A ball has no side to guess.
+  const ProgramRun ball = apply_shapes(start, {"--finger", "ball"});
+  ASSERT_EQ(ball.status, 0) << ball.err;
+  EXPECT_EQ(json::parse(ball.out)["fingers"][0]["pad"], "towards +z, as all its sides are alike");
 }
 
 TEST_F(Apply, AMeshThatTouchesAlongALineNamesItsFlatEnd) {
-  // A prism of 64 sides, 10 mm in radius and 40 mm high.
-  constexpr int kSides = 64;
-  std::string stl = "solid can\n";
-  const auto corner = [](int side, double z_m) {
-    char text[100];
-    const double angle = 2 * kPi * side / kSides;
-    std::snprintf(text, sizeof text, "vertex %.9g %.9g %g\n", 0.01 * std::cos(angle),
-                  0.01 * std::sin(angle), z_m);
-    return std::string(text);
-  };
-  const auto facet = [&](const std::string& one, const std::string& two, const std::string& three) {
-    stl += "facet normal 0 0 0\nouter loop\n" + one + two + three + "endloop\nendfacet\n";
-  };
-  for (int side = 0; side < kSides; ++side) {
-    const std::string low = corner(side, 0), next_low = corner(side + 1, 0),
-                      high = corner(side, 0.04), next_high = corner(side + 1, 0.04);
-    facet(low, next_low, next_high);
-    facet(low, next_high, high);
-    facet("vertex 0 0 0.04\n", high, next_high);
-    facet("vertex 0 0 0\n", next_low, low);
+  // Prisms, 10 mm in radius and 40 mm high. The sides of the coarse one are facets, and no pads.
+  for (const int sides : {12, 64}) {
+    std::string stl = "solid can\n";
+    const auto corner = [&](int side, double z_m) {
+      char text[100];
+      const double angle = 2 * kPi * side / sides;
+      std::snprintf(text, sizeof text, "vertex %.9g %.9g %g\n", 0.01 * std::cos(angle),
+                    0.01 * std::sin(angle), z_m);
+      return std::string(text);
+    };
+    const auto facet = [&](const std::string& one, const std::string& two,
+                           const std::string& three) {
+      stl += "facet normal 0 0 0\nouter loop\n" + one + two + three + "endloop\nendfacet\n";
+    };
+    for (int side = 0; side < sides; ++side) {
+      const std::string low = corner(side, 0), next_low = corner(side + 1, 0),
+                        high = corner(side, 0.04), next_high = corner(side + 1, 0.04);
+      facet(low, next_low, next_high);
+      facet(low, next_high, high);
+      facet("vertex 0 0 0.04\n", high, next_high);
+      facet("vertex 0 0 0\n", next_low, low);
+    }
+    folder.write("can.stl", stl + "endsolid\n");
+    folder.write(
+        "shapes.xml",
+        "<mujoco><asset><mesh name='m' file='can.stl'/></asset><worldbody><body "
+        "name='finger'><geom name='can' type='mesh' mesh='m'/></body></worldbody></mujoco>");
+    const ProgramRun run = apply_shapes(start, {"--finger", "can", "--pad", "10,0,20"});
+    EXPECT_NE(run.status, 0) << run.out;
+    const std::string pad =
+        proposed_pad(run.out + run.err, sides == 64 ? "or a flat side, 20 x 20 mm: "
+                                                    : "or a flat side, 19.3 x 19.3 mm: ");
+    ASSERT_FALSE(pad.empty()) << run.out << run.err;
+    const ProgramRun taken = apply_shapes(start, {"--finger", "can", "--pad", pad});
+    ASSERT_EQ(taken.status, 0) << taken.err;
+    EXPECT_EQ(json::parse(taken.out)["fingers"][0]["contact"], "patch");
   }
-  folder.write("can.stl", stl + "endsolid\n");
-  folder.write("shapes.xml",
-               "<mujoco><asset><mesh name='m' file='can.stl'/></asset><worldbody><body "
-               "name='finger'><geom name='can' type='mesh' mesh='m'/></body></worldbody></mujoco>");
-  const ProgramRun run = apply_shapes(start, {"--finger", "can", "--pad", "10,0,20"});
-  EXPECT_NE(run.status, 0) << run.out;
-  const std::string pad = proposed_pad(run.out + run.err, "or a flat side, 20 x 20 mm: ");
-  ASSERT_FALSE(pad.empty()) << run.out << run.err;
-  const ProgramRun taken = apply_shapes(start, {"--finger", "can", "--pad", pad});
-  ASSERT_EQ(taken.status, 0) << taken.err;
-  EXPECT_EQ(json::parse(taken.out)["fingers"][0]["contact"], "patch");
 }
 
 TEST_F(Apply, ReadsATextWithAZeroAtItsEnd) {

@@ -10,7 +10,8 @@ network and takes an hour.
 
 --apply chooses the finger as a reader of the file would: the first part that can touch others, in the order of
 FINGER_WORDS by its name, then of its depth in the chain of bodies, the deepest first. Nothing but the name is typed.
-Where the answer is refused, or not usable, and names a --pad to type, that is typed, twice at most.
+Where the answer is refused, or not usable, and names a --pad to type, that is typed, twice at most. A file that then
+takes none of the next MORE_PARTS either keeps what the first one said.
 """
 
 import argparse
@@ -28,6 +29,7 @@ LONGEST_s = 600
 
 # Parts of names, likeliest first. A robot without fingers presses with its feet or wheels.
 FINGER_WORDS = ("tip", "distal", "pad", "finger", "thumb", "jaw", "gripper", "hand", "foot", "toe", "wheel")
+MORE_PARTS = 4
 LAYER = ["--layer", "2,300,0.49", "--friction", "0.8", "--load", "2"]
 
 
@@ -104,31 +106,40 @@ def candidates(file):
 def apply(program, file):
     """What happened, in a word and a sentence."""
     engine = "gazebo" if file.suffix == ".urdf" else "mujoco"
-    word, sentence = "refused", "no part with a name"
     try:
         names = candidates(file)
     except xml.etree.ElementTree.ParseError as error:
         return "refused", f"no XML: {error}"
+    outcomes = []
     for name in names:
-        pad = []
-        for _ in range(3):
-            command = [program, "apply", str(file), "--finger", name, *pad, *LAYER, "--to", engine, "--json"]
-            run = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_s)
-            said = " ".join([name, *pad])
-            if run.returncode == 0:
-                finger = json.loads(run.stdout)["fingers"][0]
-                words = f"{finger['shape']}, {finger['contact']}, torque {1e3 * finger['max_torque_Nm']:.3g} mNm"
-                return "applied" if not pad else "with --pad", f"{said}: {words}"
-            word = {1: "not usable", 2: "refused"}.get(run.returncode, "failed")
-            sentence = json.loads(run.stdout)["reason"] if word == "not usable" else run.stderr.strip().splitlines()[-1]
-            proposed = re.search(r"--pad (" + re.escape(name) + r":[-+.,xyz\d]*[xyz\d])", sentence)
-            if not proposed:
-                break
-            pad = ["--pad", proposed[1]]
-        sentence = f"{said}: {sentence}"
-        if "a geom that touches others" not in sentence:
+        outcome = apply_to(program, file, engine, name)
+        if outcome[0] in ("applied", "with --pad"):
+            return outcome if not outcomes else ("other part", outcome[1])
+        if "a geom that touches others" not in outcome[1]:
+            outcomes.append(outcome)
+        if len(outcomes) > MORE_PARTS:
             break
-    return word, sentence
+    return (outcomes or [("refused", "no part with a name that touches others")])[0]
+
+
+def apply_to(program, file, engine, name):
+    """What happened to a part, in a word and a sentence."""
+    pad = []
+    for _ in range(3):
+        command = [program, "apply", str(file), "--finger", name, *pad, *LAYER, "--to", engine, "--json"]
+        run = subprocess.run(command, capture_output=True, text=True, timeout=LONGEST_s)
+        said = " ".join([name, *pad])
+        if run.returncode == 0:
+            finger = json.loads(run.stdout)["fingers"][0]
+            words = f"{finger['shape']}, {finger['contact']}, torque {1e3 * finger['max_torque_Nm']:.3g} mNm"
+            return "applied" if not pad else "with --pad", f"{said}: {words}"
+        word = {1: "not usable", 2: "refused"}.get(run.returncode, "failed")
+        sentence = json.loads(run.stdout)["reason"] if word == "not usable" else run.stderr.strip().splitlines()[-1]
+        proposed = re.search(r"--pad (" + re.escape(name) + r":[-+.,xyz\d]*[xyz\d])", sentence)
+        if not proposed:
+            break
+        pad = ["--pad", proposed[1]]
+    return word, f"{said}: {sentence}"
 
 
 def main():
