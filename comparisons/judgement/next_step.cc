@@ -309,21 +309,21 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
 
 namespace {
 
-/// "flat, 22 x 37 mm: a pad", where the case's mesh is touched on a flat face.
-std::string flat_face_in_words(const input::Case& contact_case, const GeometryResolver& resolver) {
-  const char* name = nullptr;
-  const input::MeshBody* mesh = mesh_of(contact_case, &name);
-  if (!mesh) return "";
+/// The flat face on which the case's mesh is touched, if it is.
+std::optional<prediction::FlatFace> flat_face_of(const input::Case& contact_case,
+                                                 const GeometryResolver& resolver,
+                                                 const char** name) {
+  const input::MeshBody* mesh = mesh_of(contact_case, name);
+  if (!mesh) return std::nullopt;
   try {
     const TriangleSurface& surface = resolver.surface(*mesh);
     const auto faces = prediction::flat_faces(surface);
-    const prediction::FlatFace* face =
-        prediction::face_at(surface, faces, resolver.placed(*mesh).point_m);
-    return face ? fmt::format("the {} there is {}, no ellipse", name, prediction::in_words(*face))
-                : "";
+    if (const prediction::FlatFace* face =
+            prediction::face_at(surface, faces, resolver.placed(*mesh).point_m))
+      return *face;
   } catch (const InputError&) {
-    return "";
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -334,10 +334,20 @@ prediction::LocalGeometry resolve_or_advise(const input::Case& contact_case,
   try {
     return resolver.resolve(load_N);
   } catch (const InputError& refusal) {
-    const std::string step = next_step(contact_case, resolver, load_N, refusal, demand).step;
+    std::string step = next_step(contact_case, resolver, load_N, refusal, demand).step;
     // A flat face is what it is, whatever the fit of a quadric to it found.
-    const std::string flat = flat_face_in_words(contact_case, resolver);
-    if (!flat.empty()) throw InputError(refusal.where(), flat, "", step);
+    const char* name = nullptr;
+    if (const auto face = flat_face_of(contact_case, resolver, &name)) {
+      if (name == std::string("finger"))
+        step += fmt::format(
+            "; where all of it touches, a case with finger = {{ pad_mm = [{:.3g}, "
+            "{:.3g}] }}",
+            1e3 * face->length_m, 1e3 * face->width_m);
+      throw InputError(
+          refusal.where(),
+          fmt::format("the {} there is {}, no ellipse", name, prediction::in_words(*face)), "",
+          step);
+    }
     throw InputError(refusal.where(), refusal.field(), refusal.value(),
                      refusal.allowed() + (refusal.allowed().empty() ? "" : "; ") + step);
   }

@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 using tinyxml2::XMLElement;
 
 constexpr int kMostIncludes = 200;
-constexpr double kMostReplicas = 100'000;
+constexpr double kMostReplicas = 20'000;
 
 /// Elements that are only seen, or reported: no scene has them, in any version. Sensors are
 /// counted.
@@ -116,8 +116,9 @@ class MjcfFilter {
            mj_versionString(), fmt::join(parts, ", "));
     }
     if (sensors_ > 0) note("{} sensors are left out", sensors_);
+    // Text behind the root is accepted, and would not be again at the end.
     tinyxml2::XMLPrinter printer(nullptr, true);
-    document_.Print(&printer);
+    root.Accept(&printer);
     result_.text = printer.CStr();
     return std::move(result_);
   }

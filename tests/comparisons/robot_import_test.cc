@@ -803,7 +803,7 @@ TEST_F(Robots, OfNewerMjcfAreReadOrRefusedByName) {
         std::pair(body("<flexcomp/>"), "<flexcomp>"),
         std::pair(body("<replicate count=\"-1\"/>"), "count of <replicate> = \"-1\""),
         std::pair(body("<replicate count=\"1e9\"><geom size=\"0.1\"/></replicate>"),
-                  "at most 100000 elements"),
+                  "at most 20000 elements"),
         std::pair(body("<replicate count=\"2\">" + hinge + "</replicate>",
                        "<actuator><motor joint=\"j\"/></actuator>"),
                   "<motor> of \"j\", which is in a <replicate>"),
