@@ -443,6 +443,13 @@ std::vector<FingerContact> contacts_of(const ApplyOptions& options, const Simula
   auto fingers = shaped_fingers(shapes, found, options.shape, options.contact, meshes);
   if (options.contact.typed_case.friction.empty())
     remark("no --friction: a coefficient of 1 is taken, the torque is proportional to it");
+  const auto with_flat_side = [&](const std::string& advice, const ShapedFinger& shaped,
+                                  const exporting::FingerParts& parts) {
+    if (advice.find("--pad") != std::string::npos) return advice;
+    const std::string flat =
+        flat_pad_in_words(shapes, parts, shaped, options.shape, options.contact, meshes);
+    return flat.empty() ? advice : advice + "; " + flat;
+  };
   // Fingers that are alike have one curve.
   std::map<std::pair<double, double>, ContactCurve> curves;
   for (std::size_t i = 0; i < fingers.size(); ++i) {
@@ -469,13 +476,21 @@ std::vector<FingerContact> contacts_of(const ApplyOptions& options, const Simula
       for (const std::string& line : contact_case.remarks) remark(line);
       try {
         known = curves.insert_or_assign(radii, ask_contact_curve(*shaped, options.contact)).first;
-      } catch (const InputError&) {
-        if (!shaped->flat) throw;
+      } catch (const InputError& error) {
+        if (!shaped->flat)
+          throw InputError(error.where(), error.field(), error.value(),
+                           with_flat_side(error.allowed(), *shaped, found[i]));
         add(pad_contact_of(options, simulator, format, *shaped, parts));
         continue;
       }
     }
     ContactCurve curve = known->second;
+    if (!curve.nominal.assessment.usable && shaped->flat) {
+      add(pad_contact_of(options, simulator, format, *shaped, parts));
+      continue;
+    }
+    if (!curve.nominal.assessment.usable)
+      curve.advice = with_flat_side(curve.advice, *shaped, found[i]);
     curve.case_id = contact_case.id;
     require_on_one_part(*shaped, curve);
     add(contact_of(options, simulator, contact_case, std::move(curve)));

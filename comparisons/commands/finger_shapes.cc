@@ -9,7 +9,9 @@
 
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/number_option.h"
+#include "comparisons/exporting/pad_contact.h"
 #include "comparisons/input/mesh_file.h"
+#include "comparisons/prediction/flat_faces.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/prediction/mesh_points.h"
 #include "comparisons/robots/mesh_file.h"
@@ -171,11 +173,21 @@ class Fingers {
     std::string reason;
     Vector3d direction = closing(body, middle, reason);
     if (direction.isZero(0)) direction = towards_others(body, middle, reason);
-    if (direction.isZero(0))
+    if (direction.isZero(0) && shapes.size() == 1 &&
+        std::holds_alternative<input::Sphere>(shapes.front()->kind)) {
+      direction = Vector3d::UnitZ();
+      reason = "as all its sides are alike";
+    }
+    if (direction.isZero(0)) {
+      std::string end;
+      if (const auto farthest = away_from_joints(body, middle))
+        end = fmt::format("--pad {}:{}, its far end, or another ", finger.name,
+                          direction_words(*farthest));
       throw InputError(finger.elements.front()->where(),
                        "the pad of " + in_quotes(finger.name) +
                            ": no joint and no other finger says on which side it lies",
-                       "", std::string("--pad ") + kPadAllowed);
+                       "", end + "--pad " + kPadAllowed);
+    }
     // A pad lies mostly along an axis of its link.
     constexpr double kNearAxis = 0.9;  // 26 degrees
     int axis = 0;
@@ -292,6 +304,28 @@ class Fingers {
     return Vector3d::Zero();
   }
 
+  /// The axis of the body along which its middle lies farthest from the joint on which it hangs, or
+  /// from the next one up the chain where it lies on that joint, or from its origin without a
+  /// joint; null where it lies on them all.
+  std::optional<Vector3d> away_from_joints(std::size_t body, const Vector3d& middle) const {
+    constexpr double kOnJoint_m = 1e-3;
+    const RobotBody& own = shapes_.bodies[body];
+    Vector3d arm = Vector3d::Zero();
+    for (int carrier = int(body); carrier >= 0 && arm.norm() < kOnJoint_m;
+         carrier = shapes_.bodies[std::size_t(carrier)].parent) {
+      const RobotBody& moved = shapes_.bodies[std::size_t(carrier)];
+      if (!own.is_placed && &own != &moved) break;
+      if (moved.joints.empty()) continue;
+      arm = own.in_world.linear().transpose() *
+            (own.in_world * middle - moved.in_world * moved.joints.back().anchor_m);
+    }
+    if (arm.norm() < kOnJoint_m) arm = middle;
+    if (arm.norm() < kOnJoint_m) return std::nullopt;
+    int axis = 0;
+    arm.cwiseAbs().maxCoeff(&axis);
+    return Vector3d((arm[axis] > 0 ? 1. : -1.) * Vector3d(Vector3d::Unit(axis)));
+  }
+
   /// The direction to the other fingers, or to the other jaw of a gripper.
   Vector3d towards_others(std::size_t body, const Vector3d& middle, std::string& reason) {
     const RobotBody& own = shapes_.bodies[body];
@@ -394,6 +428,26 @@ class Fingers {
   std::unordered_map<const exporting::XmlElement*, const RobotShape*> by_element_;
 };
 
+/// "--pad tip:0.0000,0.0000,18.0000"
+std::string typed_pad(const std::string& finger, const Vector3d& point_in_body_m) {
+  const Vector3d point_mm = 1e3 * point_in_body_m;
+  return fmt::format("--pad {}:{:.4f},{:.4f},{:.4f}", finger, point_mm.x(), point_mm.y(),
+                     point_mm.z());
+}
+
+/// "such as its end, --pad tip:0.0000,0.0000,18.0000", the end of a capsule or cylinder that lies
+/// farther from its body's origin; empty for other shapes.
+std::string end_in_words(const std::string& finger, const RobotShape& shape) {
+  const auto* capsule = std::get_if<input::Capsule>(&shape.kind);
+  const auto* cylinder = std::get_if<input::Cylinder>(&shape.kind);
+  if (!capsule && !cylinder) return "";
+  const double half_m =
+      capsule ? capsule->length_m / 2 + capsule->radius_m : cylinder->length_m / 2;
+  const Vector3d one = shape.in_body * Vector3d(0, 0, half_m),
+                 other = shape.in_body * Vector3d(0, 0, -half_m);
+  return ", such as its end, " + typed_pad(finger, one.norm() < other.norm() ? other : one);
+}
+
 /// @throws InputError for a flat pad on a round object, and for a line on a plane
 void require_known(const exporting::FingerParts& finger, const RobotShape& shape,
                    const ShapePad& pad, const PadPlace& place, bool on_plane) {
@@ -404,12 +458,10 @@ void require_known(const exporting::FingerParts& finger, const RobotShape& shape
     throw InputError(shape.element->where(), subject + ", is flat", "",
                      "no --object-radius-mm: a flat pad is known on a plane; or a curved part, by "
                      "--pad");
-  throw InputError(
-      shape.element->where(), subject + ", touches a plane along a line, not in an ellipse", "",
-      "another part by --pad" +
-          std::string(std::holds_alternative<input::Capsule>(shape.kind) ? ", such as an end"
-                                                                         : "") +
-          ", a round object by --object-radius-mm, or a CASE with the pad's radii");
+  throw InputError(shape.element->where(),
+                   subject + ", touches a plane along a line, not in an ellipse", "",
+                   "another part by --pad" + end_in_words(finger.name, shape) +
+                       "; a round object by --object-radius-mm, or a CASE with the pad's radii");
 }
 
 /// `{ pad_mm = [22, 37.5] }`
@@ -627,12 +679,8 @@ std::string as_pad(const ShapedFinger& finger, std::string advice) {
   if (close == std::string::npos || close > end) return advice;
   const auto point_mm = text::read_numbers(advice.substr(first, close - first));
   if (!point_mm || point_mm->size() != 3) return advice;
-  const Vector3d in_body_mm =
-      1e3 * (finger.shape.in_body *
-             Vector3d(1e-3 * Vector3d((*point_mm)[0], (*point_mm)[1], (*point_mm)[2])));
-  return advice.substr(0, begin) +
-         fmt::format("--pad {}:{:.4f},{:.4f},{:.4f}", finger.name, in_body_mm.x(), in_body_mm.y(),
-                     in_body_mm.z()) +
+  const Vector3d point_m = 1e-3 * Vector3d((*point_mm)[0], (*point_mm)[1], (*point_mm)[2]);
+  return advice.substr(0, begin) + typed_pad(finger.name, finger.shape.in_body * point_m) +
          advice.substr(end + 1);
 }
 
@@ -646,6 +694,34 @@ exporting::ContactCurve ask_contact_curve(const ShapedFinger& finger, const Cont
   }
 }
 
+std::string flat_pad_in_words(const RobotShapes& shapes, const exporting::FingerParts& parts,
+                              const ShapedFinger& finger, const ShapeChoice& typed,
+                              const ContactChoice& choice, RobotMeshes& meshes) {
+  const auto* named = std::get_if<NamedMesh>(&finger.shape.kind);
+  if (!named || !typed.object_radius_mm.empty()) return "";
+  constexpr std::size_t kMostFaces = 6;
+  std::size_t count = 0;
+  for (const prediction::FlatFace& face : prediction::flat_faces(meshes.read(*named).surface)) {
+    if (!face.is_outermost) continue;  // a plane does not reach it
+    if (++count > kMostFaces) break;
+    const std::string pad = typed_pad(finger.name, finger.shape.in_body * face.middle_m);
+    ShapeChoice tried = typed;
+    tried.pads = {pad.substr(pad.find(' ') + 1)};
+    try {
+      const auto found = shaped_fingers(shapes, {parts}, tried, choice, meshes);
+      const std::optional<exporting::FlatEnd>& flat = found.front()->flat;
+      if (!flat) continue;
+      const input::Case& pad_case = found.front()->pad_case;
+      const double load_N = loads_of(pad_case, choice).nominal_N;
+      if (exporting::ask_pad_contact(pad_case, load_N, choice.demand.demand()).answer.usable)
+        return fmt::format("or a flat side, {:.3g} x {:.3g} mm: {}", 1e3 * face.width_m,
+                           1e3 * face.length_m, pad);
+    } catch (const InputError&) {
+    }
+  }
+  return "";
+}
+
 void require_on_one_part(const ShapedFinger& finger, const exporting::ContactCurve& curve) {
   if (!finger.pad) return;
   const double half_m = std::max(curve.nominal.a_m, curve.nominal.b_m);
@@ -656,7 +732,9 @@ void require_on_one_part(const ShapedFinger& finger, const exporting::ContactCur
                   "its middle",
                   text::shortened(finger.name), 2e3 * half_m, finger.pad->part, finger.shape_words,
                   1e3 * finger.pad->to_seam_m),
-      "", "a pad farther from there, by --pad, a smaller load, or a CASE with the pad's radii");
+      "",
+      "a pad farther from there" + end_in_words(finger.name, finger.shape) +
+          "; a smaller load, or a CASE with the pad's radii");
 }
 
 }  // namespace softfinger::commands

@@ -70,7 +70,7 @@ struct ShapedFinger {
   std::optional<exporting::ShapePad> pad;  ///< of a shape in closed form
   input::Case contact_case;
   /// The flat face on which the pad lies, if any, and its case. A mesh may be flat for a file's
-  /// rounding only: there the case of its curvature counts, as long as it has an answer.
+  /// rounding only: there the case of its curvature counts, as long as its answer is usable.
   std::optional<exporting::FlatEnd> flat;
   input::Case pad_case;
   std::size_t flush = 0;  ///< other shapes of the finger that end in the pad's plane
@@ -91,6 +91,13 @@ std::string as_pad(const ShapedFinger& finger, std::string advice);
 /// `ask_contact_curve` for the finger's own shape: the advice is in this command's words.
 /// @throws InputError
 exporting::ContactCurve ask_contact_curve(const ShapedFinger& finger, const ContactChoice& choice);
+
+/// "or a flat side, 6 x 14.3 mm: --pad jaw:1,2,3", the largest flat face of the finger's mesh that
+/// makes a usable pad, tried; empty: none, or the finger is no mesh.
+std::string flat_pad_in_words(const exporting::RobotShapes& shapes,
+                              const exporting::FingerParts& parts, const ShapedFinger& finger,
+                              const ShapeChoice& typed, const ContactChoice& choice,
+                              RobotMeshes& meshes);
 
 /// The contact that a model finds must lie on one part of the shape.
 /// @throws InputError where it reaches the seam to another one

@@ -290,14 +290,17 @@ int largest_priority(const XmlFile& file, const std::vector<const XmlElement*>& 
   return int(std::min(value, 1e6));
 }
 
-/// condim 6 has the torque, too, and keeps its rolling friction.
+/// condim 6 has the torque, too, and keeps its rolling friction, except for a flat pad, which
+/// gets 3.
 struct Rolling {
   bool has_any = false;
   std::vector<std::string> numbers;
 
   /// @param from  where the rolling friction begins in the attribute `friction`
-  Rolling(const Mjcf& mjcf, const XmlElement& element, std::size_t from, std::size_t count)
-      : has_any(mjcf.value(element, "condim") == "6"), numbers(count, "0.0001") {
+  Rolling(const Mjcf& mjcf, const XmlElement& element, const RobotContact& wanted, std::size_t from,
+          std::size_t count)
+      : has_any(mjcf.value(element, "condim") == "6" && !wanted.contact.face),
+        numbers(count, "0.0001") {
     std::istringstream words(mjcf.value(element, "friction"));
     std::string word;
     for (std::size_t i = 0; has_any && words >> word; ++i)
@@ -332,10 +335,9 @@ void change_pairs(XmlFile& file, const Mjcf& mjcf, const std::vector<Wanted>& fi
       if (!changed_pairs.insert(pair).second) continue;
       const double mu = wanted->contact.friction_coefficient;
       const double spin_m = spin_of(*wanted);
-      const Rolling rolling(mjcf, *pair, 3, 2);
+      const Rolling rolling(mjcf, *pair, *wanted, 3, 2);
       WantedElement changed;
-      if (!rolling.has_any || wanted->contact.face)
-        changed.attributes.push_back(condim_of(*wanted));
+      if (!rolling.has_any) changed.attributes.push_back(condim_of(*wanted));
       changed.attributes.push_back({"friction",
                                     fmt::format("{0} {0} {1} {2} {3}", number(mu), number(spin_m),
                                                 rolling.numbers[0], rolling.numbers[1]),
@@ -407,8 +409,8 @@ std::vector<std::string> apply_mujoco(XmlFile& file, const Mjcf& mjcf,
     const double mu = wanted.contact.friction_coefficient;
     const double spin_m = spin_of(wanted);
     WantedElement changed;
-    const Rolling rolling(mjcf, *geom, 2, 1);
-    if (!rolling.has_any || wanted.contact.face) changed.attributes.push_back(condim_of(wanted));
+    const Rolling rolling(mjcf, *geom, wanted, 2, 1);
+    if (!rolling.has_any) changed.attributes.push_back(condim_of(wanted));
     if (!(numeric(mjcf.value(*geom, "priority")) > other_priority))
       changed.attributes.push_back({"priority", std::to_string(other_priority + 1),
                                     mjcf.unread().empty()

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "comparisons/prediction/flat_faces.h"
 
@@ -227,6 +229,33 @@ std::optional<FlatEnd> flat_end(const prediction::FaceOutline& outline) {
   return end;
 }
 
+/// Whether a face is a facet of something round: the one beside it is turned little and is not
+/// narrow, as a chamfer or a strip of a fillet is.
+bool is_facet(const TriangleSurface& surface, const prediction::FlatFace& face) {
+  constexpr double kTurned = 0.6;  // the cosine of 53 degrees
+  constexpr double kNarrow = 0.2;
+  std::set<std::pair<int, int>> edges;
+  for (const int own : face.triangles) {
+    const auto& corners = surface.triangles[std::size_t(own)];
+    for (std::size_t c = 0; c < 3; ++c) edges.emplace(corners[c], corners[(c + 1) % 3]);
+  }
+  for (const auto& corners : surface.triangles)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::pair<int, int> there(corners[(c + 1) % 3], corners[c]);
+      // The facets of the face itself have both directions.
+      if (edges.count(there) == 0 || edges.count({there.second, there.first}) > 0) continue;
+      const Vector3d& from = surface.vertices_m[std::size_t(there.first)];
+      const Vector3d edge = surface.vertices_m[std::size_t(there.second)] - from;
+      const Vector3d across =
+          (surface.vertices_m[std::size_t(corners[(c + 2) % 3])] - from).cross(edge);
+      const double twice_area_m2 = across.norm();
+      if (across.dot(face.normal) > kTurned * twice_area_m2 &&
+          twice_area_m2 > kNarrow * face.width_m * edge.norm())
+        return true;
+    }
+  return false;
+}
+
 }  // namespace
 
 std::optional<FlatEnd> flat_end_of_mesh(const TriangleSurface& surface, const Vector3d& point_m,
@@ -240,7 +269,7 @@ std::optional<FlatEnd> flat_end_of_mesh(const TriangleSurface& surface, const Ve
                                }),
                 faces.end());
   const prediction::FlatFace* face = prediction::face_at(surface, faces, point_m);
-  if (!face) return std::nullopt;
+  if (!face || is_facet(surface, *face)) return std::nullopt;
   return flat_end(outline_of(surface, *face));
 }
 

@@ -51,8 +51,8 @@ std::optional<FlatEnd> joined(const std::vector<FlatEnd>& ends);
 /// @param pad  flat, of this shape
 FlatEnd flat_end(const RobotShapeKind& kind, const ShapePad& pad);
 
-/// The flat face of a mesh on which a point lies; null where there is none, or where it has holes
-/// or hollows of more than a tenth of its area.
+/// The flat face of a mesh on which a point lies; null where there is none, where it has holes or
+/// hollows of more than a tenth of its area, or where it may be a facet of something round.
 /// @param facing  outward; empty: any
 std::optional<FlatEnd> flat_end_of_mesh(const TriangleSurface& surface,
                                         const Eigen::Vector3d& point_m,

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <map>
 #include <set>
+#include <string_view>
 
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
@@ -212,13 +213,15 @@ std::string XmlElement::where() const { return fmt::format("{}:{}", file->where(
 
 XmlFile::XmlFile(std::string text, std::string where)
     : text_(std::move(text)), where_(std::move(where)) {
-  if (text_.find('\0') != std::string::npos)
+  // A text that a program wrote with the zero at its end is read by other readers, too.
+  const std::string_view xml = std::string_view(text_).substr(0, text_.find_last_not_of('\0') + 1);
+  if (xml.find('\0') != std::string_view::npos)
     throw InputError(where_, "a byte of zero", "", "XML text");
   // tinyxml2 expands no entities; a file that declares some would lose them.
   if (text_.find("<!DOCTYPE") != std::string::npos || text_.find("<!ENTITY") != std::string::npos)
     throw InputError(where_, "<!DOCTYPE>", "", "a file without one: entities are not read");
   tinyxml2::XMLDocument document;
-  if (document.Parse(text_.data(), text_.size()) != tinyxml2::XML_SUCCESS) {
+  if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
     // "XML_ELEMENT_DEPTH_EXCEEDED" and the like, of no user.
     std::string reason = document.ErrorName();
     std::replace(reason.begin(), reason.end(), '_', ' ');

@@ -59,6 +59,13 @@ bool is_meant_as_doubted(const toml::node& node) {
   return table && (table->contains("value") || table->contains("factor") || table->contains("std"));
 }
 
+bool is_or_has_doubted(const toml::node& node) {
+  if (is_meant_as_doubted(node)) return true;
+  if (const toml::table* table = node.as_table()) return has_doubts(*table);
+  const toml::array* array = node.as_array();
+  return array && std::any_of(array->begin(), array->end(), is_or_has_doubted);
+}
+
 void check_form(const TomlReader& reader, const toml::node& node, const std::string& key) {
   if (is_meant_as_doubted(node) && !doubted_number(node))
     reader.refuse(node, key,
@@ -120,14 +127,9 @@ Doubts settle_doubts(const TomlReader& reader, toml::table& root) {
   return doubts;
 }
 
-bool has_doubts(const toml::node& node) {
-  if (is_meant_as_doubted(node)) return true;
-  if (const toml::table* table = node.as_table())
-    return std::any_of(table->begin(), table->end(),
-                       [](const auto& entry) { return has_doubts(entry.second); });
-  const toml::array* array = node.as_array();
-  return array && std::any_of(array->begin(), array->end(),
-                              [](const toml::node& entry) { return has_doubts(entry); });
+bool has_doubts(const toml::table& root) {
+  return std::any_of(root.begin(), root.end(),
+                     [](const auto& entry) { return is_or_has_doubted(entry.second); });
 }
 
 }  // namespace softfinger::input

@@ -11,7 +11,7 @@ namespace softfinger::input {
 /// @throws InputError for a factor that is not above 1, and for a std that is not positive
 Doubts settle_doubts(const TomlReader& reader, toml::table& root);
 
-/// Whether there is any.
-bool has_doubts(const toml::node& node);
+/// Whether there is any in it. The root itself is no number, whatever its keys are.
+bool has_doubts(const toml::table& root);
 
 }  // namespace softfinger::input

@@ -11,6 +11,7 @@
 
 #include "comparisons/input/mesh_file.h"
 #include "comparisons/judgement/assessment.h"
+#include "comparisons/judgement/pads.h"
 #include "comparisons/judgement/reason.h"
 #include "comparisons/prediction/flat_faces.h"
 #include "comparisons/prediction/mesh_points.h"
@@ -141,6 +142,36 @@ std::string nearest_point(const input::Case& contact_case, const GeometryResolve
   return "";
 }
 
+/// The best place of the whole finger at which a recommended model is usable, in words; "" if none
+/// was found.
+std::string best_place(const input::Case& contact_case, const GeometryResolver& resolver,
+                       double load_N, const Demand& demand) {
+  const char* name = nullptr;
+  const input::MeshBody* mesh = mesh_of(contact_case, &name);
+  if (!mesh || name != std::string("finger")) return "";
+  Pressing pressing;
+  pressing.layer = contact_case.layer;
+  pressing.load_N = load_N;
+  pressing.friction_coefficient = contact_case.shear_law.friction_coefficient;
+  pressing.demand = demand;
+  input::Case tried = contact_case;
+  for (const Pad& pad :
+       find_pads(resolver.surface(*mesh), input::MeshRole::finger, pressing, {}, true).best_first) {
+    if (!pad.is_usable()) continue;
+    input::MeshBody moved = *mesh;
+    moved.along.reset();
+    moved.normal.reset();
+    moved.near_m = pad.point_m;
+    std::get<input::BodyPair>(tried.geometry).finger = moved;
+    const GeometryResolver elsewhere(tried, &resolver);
+    if (const auto usable = usable_model(tried, elsewhere, load_N, demand))
+      return fmt::format("press on another side, facing {:.2f}, {:.2f}, {:.2f} ({}): {}",
+                         pad.normal.x(), pad.normal.y(), pad.normal.z(), bound_text(*usable),
+                         body_line(name, elsewhere.placed(moved), pad.point_m));
+  }
+  return "";
+}
+
 /// A load that is usable, as near to the case's as three halvings of the gap between them find it;
 /// "" if there is none within a factor of 256.
 std::string other_load(const input::Case& contact_case, const GeometryResolver& resolver,
@@ -245,8 +276,10 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
     result.step = fmt::format("--model {} is usable, within {}", other->model->card().name,
                               text::percent(other->worst));
   // Another point does not help where the mesh leaves little open.
-  if (result.step.empty() && !answer.assessment->determined)
+  if (result.step.empty() && !answer.assessment->determined) {
     result.step = nearest_point(contact_case, resolver, load_N, demand);
+    if (result.step.empty()) result.step = best_place(contact_case, resolver, load_N, demand);
+  }
   if (result.step.empty()) result.step = other_load(contact_case, resolver, load_N, demand);
   result.step = with_alternative(result.step, contact_case);
   return result;
@@ -268,6 +301,7 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
     return result;
   }
   result.step = nearest_point(contact_case, resolver, load_N, demand);
+  if (result.step.empty()) result.step = best_place(contact_case, resolver, load_N, demand);
   if (result.step.empty()) result.step = other_load(contact_case, resolver, load_N, demand);
   result.step = with_alternative(result.step, contact_case);
   return result;
@@ -275,21 +309,21 @@ NextStep next_step(const input::Case& contact_case, const GeometryResolver& reso
 
 namespace {
 
-/// "flat, 22 x 37 mm: a pad", where the case's mesh is touched on a flat face.
-std::string flat_face_in_words(const input::Case& contact_case, const GeometryResolver& resolver) {
-  const char* name = nullptr;
-  const input::MeshBody* mesh = mesh_of(contact_case, &name);
-  if (!mesh) return "";
+/// The flat face on which the case's mesh is touched, if it is.
+std::optional<prediction::FlatFace> flat_face_of(const input::Case& contact_case,
+                                                 const GeometryResolver& resolver,
+                                                 const char** name) {
+  const input::MeshBody* mesh = mesh_of(contact_case, name);
+  if (!mesh) return std::nullopt;
   try {
     const TriangleSurface& surface = resolver.surface(*mesh);
     const auto faces = prediction::flat_faces(surface);
-    const prediction::FlatFace* face =
-        prediction::face_at(surface, faces, resolver.placed(*mesh).point_m);
-    return face ? fmt::format("the {} there is {}, no ellipse", name, prediction::in_words(*face))
-                : "";
+    if (const prediction::FlatFace* face =
+            prediction::face_at(surface, faces, resolver.placed(*mesh).point_m))
+      return *face;
   } catch (const InputError&) {
-    return "";
   }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -300,10 +334,20 @@ prediction::LocalGeometry resolve_or_advise(const input::Case& contact_case,
   try {
     return resolver.resolve(load_N);
   } catch (const InputError& refusal) {
-    const std::string step = next_step(contact_case, resolver, load_N, refusal, demand).step;
+    std::string step = next_step(contact_case, resolver, load_N, refusal, demand).step;
     // A flat face is what it is, whatever the fit of a quadric to it found.
-    const std::string flat = flat_face_in_words(contact_case, resolver);
-    if (!flat.empty()) throw InputError(refusal.where(), flat, "", step);
+    const char* name = nullptr;
+    if (const auto face = flat_face_of(contact_case, resolver, &name)) {
+      if (name == std::string("finger"))
+        step += fmt::format(
+            "; where all of it touches, a case with finger = {{ pad_mm = [{:.3g}, "
+            "{:.3g}] }}",
+            1e3 * face->length_m, 1e3 * face->width_m);
+      throw InputError(
+          refusal.where(),
+          fmt::format("the {} there is {}, no ellipse", name, prediction::in_words(*face)), "",
+          step);
+    }
     throw InputError(refusal.where(), refusal.field(), refusal.value(),
                      refusal.allowed() + (refusal.allowed().empty() ? "" : "; ") + step);
   }

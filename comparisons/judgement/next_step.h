@@ -19,12 +19,13 @@ struct NextStep {
   std::string in_words() const { return reason + ": " + step; }
 };
 
-/// Tried in this order: the recommended model, the nearest point of the mesh, a smaller or larger
-/// load, and where none of them helps the radii, finite elements or what has to be left out of the
-/// case.
+/// Tried in this order: the recommended model, the nearest point of the mesh, the best place of all
+/// its sides, a smaller or larger load, and where none of them helps the radii, finite elements or
+/// what has to be left out of the case.
 ///
-/// Asks models for other loads (microseconds) and, for a mesh, at up to a hundred other points,
-/// usually 0.3 s and at most 3 s of the processor: for people, not for loops.
+/// Asks models for other loads (microseconds) and, for a mesh, at up to a hundred other points
+/// nearby and fifty on all sides, usually 0.6 s and at most 6 s of the processor: for people, not
+/// for loops.
 /// @param resolver   of the case
 /// @param answer     not usable, with its assessment
 /// @param demand     by which it was assessed

@@ -11,6 +11,7 @@
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pads/pad_law.h"
 
 namespace softfinger::prediction {
 namespace {
@@ -86,6 +87,13 @@ void assess_pad(const input::PadPair& pair, const Demand& demand, PadAnswer& ans
     for (const ValidityCheck& check : answer.prediction.validity)
       if (!check.holds() && std::string(check.check) != "poisson_ratio")
         answer.evidence = std::string("no bound is known: ") + check.message;
+    const double size_m = answer.problem.shape->size_m();
+    if (size_m > pads::kLargestWidth * answer.problem.layer.thickness_m)
+      answer.evidence = fmt::format(
+          "no bound is known: its torque arm is that of a disc of radius {:.3g} mm, "
+          "and errors are known to {:g} times the thickness, {:.3g} mm",
+          1e3 * size_m, pads::kLargestWidth,
+          1e3 * pads::kLargestWidth * answer.problem.layer.thickness_m);
   }
   const double needed = friction_that_sticks(answer.problem.layer.poisson_ratio);
   const double mu = answer.problem.load.friction_coefficient;

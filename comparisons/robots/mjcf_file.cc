@@ -24,6 +24,7 @@ using Eigen::Vector3d;
 using tinyxml2::XMLElement;
 
 constexpr int kMostIncludes = 200;
+constexpr double kMostReplicas = 20'000;
 
 /// Elements that are only seen, or reported: no scene has them, in any version. Sensors are
 /// counted.
@@ -86,6 +87,9 @@ class MjcfFilter {
     read_compiler(root);
     for (XMLElement* child : children(root))
       if (child->Name() == std::string("default")) read_defaults(*child, "");
+    for (XMLElement* child : children(root)) replicate(*child);
+    if (!replicated_.empty()) refuse_replicated_names(root);
+    refuse_attached(root);
     for (XMLElement* child : children(root)) flatten(*child);
     note_sites(root, "");
     for (XMLElement* child : children(root))
@@ -112,8 +116,9 @@ class MjcfFilter {
            mj_versionString(), fmt::join(parts, ", "));
     }
     if (sensors_ > 0) note("{} sensors are left out", sensors_);
+    // Text behind the root is accepted, and would not be again at the end.
     tinyxml2::XMLPrinter printer(nullptr, true);
-    document_.Print(&printer);
+    root.Accept(&printer);
     result_.text = printer.CStr();
     return std::move(result_);
   }
@@ -132,8 +137,12 @@ class MjcfFilter {
     throw InputError(
         at(element), what, "",
         fmt::format("what MuJoCo {} has, or what changes no motion: this is newer, and "
-                    "the scene would move otherwise",
-                    mj_versionString()));
+                    "the scene would move otherwise{}",
+                    mj_versionString(),
+                    element.Name() == std::string("attach")
+                        ? "; MuJoCo 3's program compile writes the whole as one file: "
+                          "compile MODEL.xml WHOLE.xml"
+                        : ""));
   }
 
   /// Puts the children of included files in the place of their <include>.
@@ -309,6 +318,85 @@ class MjcfFilter {
     element.SetAttribute("pos", words(at.translation()).c_str());
     element.SetAttribute(
         "quat", fmt::format("{} {} {} {}", turn.w(), turn.x(), turn.y(), turn.z()).c_str());
+  }
+
+  /// Replaces each <replicate> by as many <frame>s, whose names end in their number: the place of
+  /// each is that of the one before, moved by `offset` in its axes, and turned by `euler`.
+  void replicate(XMLElement& parent) {
+    for (XMLElement* child : children(parent)) replicate(*child);
+    for (XMLElement* child : children(parent)) {
+      if (child->Name() != std::string("replicate")) continue;
+      const double typed = numbers(*child, "count", {-1})[0];
+      made_ += typed * count_of(*child);
+      if (!(typed >= 0 && typed == std::floor(typed) && made_ <= kMostReplicas))
+        throw InputError(at(*child), "count of <replicate>", in_quotes(fmt::format("{}", typed)),
+                         fmt::format("a whole number >= 0, which makes at most {} elements in all",
+                                     kMostReplicas));
+      const Vector3d offset = vector(*child, "offset", Vector3d::Zero()),
+                     turns = vector(*child, "euler", Vector3d::Zero());
+      const char* separator = child->Attribute("sep");
+      const std::size_t digits = fmt::format("{}", typed).size();
+      Isometry3d place = Isometry3d::Identity();
+      tinyxml2::XMLNode* last = child;
+      for (int i = 0; i < int(typed); ++i) {
+        XMLElement* frame = child->DeepClone(&document_)->ToElement();
+        frame->SetName("frame");
+        for (const char* name : {"count", "offset", "euler", "sep"}) frame->DeleteAttribute(name);
+        frame->SetAttribute("euler", words(i * turns).c_str());
+        frame->SetAttribute("pos", words(place.translation()).c_str());
+        place.linear() = orientation(*frame);
+        place.translation() += place.linear() * offset;
+        add_suffix(*frame, fmt::format("{}{:0{}}", separator ? separator : "", i, digits));
+        last = parent.InsertAfterChild(last, frame);
+      }
+      parent.DeleteChild(child);
+    }
+  }
+
+  static double count_of(const XMLElement& element) {
+    double count = 1;
+    for (const XMLElement* child = element.FirstChildElement(); child;
+         child = child->NextSiblingElement())
+      count += count_of(*child);
+    return count;
+  }
+
+  /// Adds a suffix to the names of bodies and what they have.
+  void add_suffix(XMLElement& parent, const std::string& suffix) {
+    for (XMLElement* child : children(parent)) {
+      if (const char* name = child->Attribute("name")) {
+        replicated_.insert(name);
+        child->SetAttribute("name", (name + suffix).c_str());
+      }
+      add_suffix(*child, suffix);
+    }
+  }
+
+  /// MuJoCo 3 replicates what names something replicated, too: actuators, equalities, contacts.
+  void refuse_replicated_names(XMLElement& root) {
+    for (XMLElement* group : children(root)) {
+      if (kind(*group) == "body" || kUnused.count(group->Name()) > 0 ||
+          group->Name() == std::string("default"))
+        continue;
+      std::vector<XMLElement*> open = children(*group);
+      while (!open.empty()) {
+        XMLElement& element = *open.back();
+        open.pop_back();
+        for (const auto* one = element.FirstAttribute(); one; one = one->Next())
+          if (one->Name() != std::string("name") && replicated_.count(one->Value()) > 0)
+            refuse(element, fmt::format("<{}> of {}, which is in a <replicate>", element.Name(),
+                                        in_quotes(one->Value())));
+        for (XMLElement* child : children(element)) open.push_back(child);
+      }
+    }
+  }
+
+  void refuse_attached(XMLElement& parent) {
+    for (XMLElement* child : children(parent)) {
+      if (child->Name() == std::string("attach"))
+        refuse(*child, fmt::format("<attach> in <{}>", parent.Name()));
+      refuse_attached(*child);
+    }
   }
 
   /// Replaces each <frame> by its children, placed in the body that has it.
@@ -649,6 +737,8 @@ class MjcfFilter {
   std::set<fs::path> included_;
   bool in_degrees_ = true, has_autolimits_ = true, takes_mass_from_geoms_ = false;
   std::set<std::string> weighed_meshes_;
+  std::set<std::string> replicated_;   ///< names before their suffix
+  double made_ = 0;                    ///< elements that <replicate> made
   std::set<std::string> named_geoms_;  ///< by contacts, tendons and equalities
   std::string euler_sequence_ = "xyz";
   std::map<std::string, Class> classes_;

@@ -179,7 +179,8 @@ class UrdfCheck {
       throw InputError(where, "parent", in_quotes(holder),
                        "a link that does not hang on its child " + in_quotes(link) +
                            ": closed chains are not URDF");
-    root_[link] = holder;
+    // A joint without a child hangs on nothing, and would hang on itself without a parent.
+    if (!link.empty()) root_[link] = holder;
   }
 
   /// The link on which `link` hangs, by way of the joints so far: itself where it hangs on none.

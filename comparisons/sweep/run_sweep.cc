@@ -17,6 +17,7 @@
 #include <string_view>
 #include <thread>
 
+#include "comparisons/input/mesh_file.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/report/sweep_page.h"
 #include "comparisons/system/files.h"
@@ -111,17 +112,24 @@ class ChunkQueue {
   bool stopped_ = false;
 };
 
-/// A hash of each file that the case names.
+/// A hash of each file that the case names, and of the surface that is made of a mesh: it is also
+/// that of the files which the mesh names, such as a glTF's buffers.
 json contents_of(const input::Case& contact_case) {
   json contents = json::object();
   const auto add = [&](const fs::path& file) {
     if (!file.empty()) contents[file.string()] = meshes::content_hash(file.string());
   };
+  const auto add_mesh = [&](const fs::path& file, const std::string& part) {
+    add(file);
+    const fs::path surface = file.empty() ? file : input::plain_mesh_file(file, part);
+    if (surface != file)
+      contents[file.string() + ", surface " + part] = meshes::content_hash(surface.string());
+  };
   if (const auto* pair = std::get_if<input::BodyPair>(&contact_case.geometry))
     for (const input::CaseBody* body : {&pair->finger, &pair->object})
       if (const auto* mesh = std::get_if<input::MeshBody>(body)) {
-        add(mesh->path);
-        add(mesh->core);
+        add_mesh(mesh->path, mesh->part);
+        add_mesh(mesh->core, mesh->core_part);
       }
   add(contact_case.fem_mesh);
   return contents;

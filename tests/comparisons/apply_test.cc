@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "softfinger/input/constants.h"
 #include "tests/comparisons/run_program.h"
 
 namespace softfinger::tests {
@@ -598,6 +599,19 @@ TEST_F(ApplyPad, WritesNoTorsionalFriction) {
             std::string::npos);
 }
 
+TEST_F(ApplyPad, LosesTheRollingFrictionOfItsClass) {
+  folder.write("pads.xml",
+               "<mujoco><default><default class='foot'><geom condim='6' friction='1 .1 .02'/>"
+               "</default></default><worldbody><body name='leg'><geom name='box' class='foot' "
+               "type='box' size='.011 .004 .01875'/></body></worldbody></mujoco>");
+  const ProgramRun run =
+      apply_pad("pads.xml", {"--finger", "box", "--pad", "+y", "--to", "mujoco", "-o", "o.xml"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(file_text(folder.path() / "o.xml").find("condim=\"3\""), std::string::npos);
+  EXPECT_NE(file_text(folder.path() / "o.xml").find("friction=\"0.9 0 0.0001\""),
+            std::string::npos);
+}
+
 TEST_F(ApplyPad, ShrinksTheShapeUntilItsCornersHaveTheTorque) {
   const double e_m = eccentricity_m({"--pad-mm", "22,37.5"}),
                disc_m = eccentricity_m({"--pad-diameter-mm", "20"});
@@ -687,6 +701,91 @@ TEST_F(Apply, RefusesPadsWithoutAnEllipse) {
   EXPECT_EQ(run_softfinger(start, {"apply", "shapes.xml", "--finger", "ball", "--to", "mujoco"})
                     .err.find("CASE is missing: allowed: --layer") == std::string::npos,
             false);
+}
+
+/// The pad after `words` in a refusal, or in the reason of an answer that is not usable.
+std::string proposed_pad(const std::string& text, const std::string& words) {
+  const std::size_t at = text.find(words + "--pad ");
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + words.size() + 6;
+  const std::size_t end = text.find_first_of(" ;\"\n", begin);
+  std::string pad = text.substr(begin, end - begin);
+  if (!pad.empty() && pad.back() == ',') pad.pop_back();
+  return pad;
+}
+
+TEST_F(Apply, ARefusedPadNamesOneThatIsTaken) {
+  folder.write("shapes.xml", kShapes);
+  const auto taken = [&](const std::string& finger, const std::string& pad) {
+    const ProgramRun run = apply_shapes(start, {"--finger", finger, "--pad", pad});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return run.status == 0 ? json::parse(run.out)["fingers"][0] : json();
+  };
+  const ProgramRun line = apply_shapes(start, {"--finger", "rod", "--pad", "+x"});
+  const std::string end = proposed_pad(line.err, "such as its end, ");
+  EXPECT_EQ(end, "rod:0.0000,0.0000,27.0000") << line.err;
+  const json tip = taken("rod", end);
+  EXPECT_NEAR(tip["relative_radii_m"][0].get<double>(), 7e-3, 1e-12);
+  // A joint that turns as far to both sides says nothing. The geom is tilted out of the joint.
+  folder.write("shapes.xml",
+               "<mujoco><worldbody><body name='leg'><joint axis='0 1 0' range='-60 60'/>"
+               "<geom name='foot' pos='.01 0 -.05' type='capsule' size='.008 .01'/>"
+               "<body name='ball'><geom size='.008'/></body></body></worldbody></mujoco>");
+  const ProgramRun side = apply_shapes(start, {"--finger", "foot"});
+  EXPECT_EQ(side.status, 2);
+  EXPECT_EQ(proposed_pad(side.err, "allowed: "), "foot:-z") << side.err;
+  taken("foot", "foot:-z");
+  // A ball has no side to guess.
+  const ProgramRun ball = apply_shapes(start, {"--finger", "ball"});
+  ASSERT_EQ(ball.status, 0) << ball.err;
+  EXPECT_EQ(json::parse(ball.out)["fingers"][0]["pad"], "towards +z, as all its sides are alike");
+}
+
+TEST_F(Apply, AMeshThatTouchesAlongALineNamesItsFlatEnd) {
+  // Prisms, 10 mm in radius and 40 mm high. The sides of the coarse one are facets, and no pads.
+  for (const int sides : {12, 64}) {
+    std::string stl = "solid can\n";
+    const auto corner = [&](int side, double z_m) {
+      char text[100];
+      const double angle = 2 * kPi * side / sides;
+      std::snprintf(text, sizeof text, "vertex %.9g %.9g %g\n", 0.01 * std::cos(angle),
+                    0.01 * std::sin(angle), z_m);
+      return std::string(text);
+    };
+    const auto facet = [&](const std::string& one, const std::string& two,
+                           const std::string& three) {
+      stl += "facet normal 0 0 0\nouter loop\n" + one + two + three + "endloop\nendfacet\n";
+    };
+    for (int side = 0; side < sides; ++side) {
+      const std::string low = corner(side, 0), next_low = corner(side + 1, 0),
+                        high = corner(side, 0.04), next_high = corner(side + 1, 0.04);
+      facet(low, next_low, next_high);
+      facet(low, next_high, high);
+      facet("vertex 0 0 0.04\n", high, next_high);
+      facet("vertex 0 0 0\n", next_low, low);
+    }
+    folder.write("can.stl", stl + "endsolid\n");
+    folder.write(
+        "shapes.xml",
+        "<mujoco><asset><mesh name='m' file='can.stl'/></asset><worldbody><body "
+        "name='finger'><geom name='can' type='mesh' mesh='m'/></body></worldbody></mujoco>");
+    const ProgramRun run = apply_shapes(start, {"--finger", "can", "--pad", "10,0,20"});
+    EXPECT_NE(run.status, 0) << run.out;
+    const std::string pad =
+        proposed_pad(run.out + run.err, sides == 64 ? "or a flat side, 20 x 20 mm: "
+                                                    : "or a flat side, 19.3 x 19.3 mm: ");
+    ASSERT_FALSE(pad.empty()) << run.out << run.err;
+    const ProgramRun taken = apply_shapes(start, {"--finger", "can", "--pad", pad});
+    ASSERT_EQ(taken.status, 0) << taken.err;
+    EXPECT_EQ(json::parse(taken.out)["fingers"][0]["contact"], "patch");
+  }
+}
+
+TEST_F(Apply, ReadsATextWithAZeroAtItsEnd) {
+  const std::string text = std::string(kUrdf) + '\0';
+  folder.write("zero.urdf", text);
+  ASSERT_EQ(apply("zero.urdf", {"--finger", "tip", "--to", "bullet", "-o", "out"}).status, 0);
+  EXPECT_EQ(file_text(folder.path() / "out").back(), '\0') << "the rest keeps its bytes";
 }
 
 TEST_F(Apply, GuessesThatAPadFacesTheOtherFingers) {

@@ -154,6 +154,34 @@ TEST_F(MeshFormats, HaveTheSameRadiiAsStl) {
   }
 }
 
+TEST_F(MeshFormats, ASweepNoticesAnotherBufferOfTheSameGltf) {
+  const auto buffer_of = [](double scale) {
+    TriangleSurface surface = cap(1);
+    for (Vector3d& vertex : surface.vertices_m) vertex *= scale;
+    return gltf_of({{"cap", surface}}, "cap.bin");
+  };
+  // The least and largest coordinates of the JSON are for viewers.
+  write("cap.gltf", buffer_of(1).json);
+  write("cap.bin", buffer_of(1).buffer);
+  write("sweep.toml",
+        "id = \"stale\"\n[geometry]\nfinger = { mesh = \"cap.gltf\", along = \"+z\" }\n"
+        "object = { radii_mm = [inf, inf] }\n[layer]\nthickness_mm = 1\n"
+        "youngs_modulus_kPa = 300\npoisson_ratio = 0.45\n[contact]\nload_N = 0.2\n"
+        "friction_coefficient = 0.8\n[sweep]\n\"contact.load_N\" = [0.1, 0.2]\nmodels = "
+        "[\"bonded_layer\"]\n");
+  const auto sweep = [&] {
+    const ProgramRun done = run({"sweep", "sweep.toml", "--output", "out"});
+    EXPECT_EQ(done.status, 0) << done.err;
+    return done.err.find("reused") != std::string::npos;
+  };
+  EXPECT_FALSE(sweep());
+  EXPECT_TRUE(sweep());
+  const std::string before = file_text(folder.path() / "out" / "results.csv");
+  write("cap.bin", buffer_of(1.5).buffer);
+  EXPECT_FALSE(sweep()) << "rows of another surface";
+  EXPECT_NE(file_text(folder.path() / "out" / "results.csv"), before);
+}
+
 TEST_F(MeshFormats, SayTheirUnitAndATypedOneCounts) {
   write("cap.dae", dae_of({{"cap", cap(1e-2)}}, "0.01", "Z_UP"));
   const json own = answer_of({"mesh", "cap.dae", "--along", "+z", "--json"});

@@ -801,7 +801,14 @@ TEST_F(Robots, OfNewerMjcfAreReadOrRefusedByName) {
         std::pair(body(hinge, "<option actuatorgroupdisable=\"1\"/>"), "actuatorgroupdisable"),
         std::pair(body(hinge, "<option><flag damper=\"disable\"/></option>"), "damper"),
         std::pair(body("<flexcomp/>"), "<flexcomp>"),
-        std::pair(body("<replicate count=\"3\"/>"), "<replicate>"),
+        std::pair(body("<replicate count=\"-1\"/>"), "count of <replicate> = \"-1\""),
+        std::pair(body("<replicate count=\"1e9\"><geom size=\"0.1\"/></replicate>"),
+                  "at most 20000 elements"),
+        std::pair(body("<replicate count=\"2\">" + hinge + "</replicate>",
+                       "<actuator><motor joint=\"j\"/></actuator>"),
+                  "<motor> of \"j\", which is in a <replicate>"),
+        std::pair(body("<frame><attach model=\"m\" prefix=\"p\"/></frame>"),
+                  "compile MODEL.xml WHOLE.xml"),
         std::pair(body(hinge, "<include file=\"none.xml\"/>"), "a file that is there"),
         std::pair(body(hinge, "<include file=\"new.xml\"/>"), "each file once")}) {
     try {

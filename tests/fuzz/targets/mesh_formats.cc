@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <exception>
 #include <optional>
 
@@ -99,11 +100,15 @@ bool read_by_assimp(std::string_view bytes) {
   close(ends[1]);
   meshes::ConvertedMesh mesh;
   char buffer[4096];
-  for (ssize_t count; (count = read(ends[0], buffer, sizeof buffer)) > 0;)
+  for (;;) {
+    const ssize_t count = read(ends[0], buffer, sizeof buffer);
+    if (count < 0 && errno == EINTR) continue;  // libFuzzer's clock
+    if (count <= 0) break;
     mesh.stl.append(buffer, std::size_t(count));
+  }
   close(ends[0]);
   int status = 0;
-  waitpid(child, &status, 0);
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   return WIFEXITED(status) && WEXITSTATUS(status) == 0 && is_surface(mesh);
 }
 

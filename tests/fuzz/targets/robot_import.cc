@@ -84,7 +84,11 @@ std::vector<std::string> seeds() {
       "<site name='s' pos='1 0 0'/></body></frame></worldbody>\n<actuator><position joint='j' "
       "kp='2' "
       "dampratio='1'/></actuator><equality><connect site1='s' site2='s'/></equality>"
-      "<keyframe><key qpos='0' ctrl='1'/></keyframe></mujoco>\n"};
+      "<keyframe><key qpos='0' ctrl='1'/></keyframe></mujoco>\n",
+      "<mujoco><worldbody>\n<replicate count='12' sep='-' offset='.1 0 0' euler='0 0 30'>"
+      "<body name='a'><joint name='j'/>\n<replicate count='2'><geom name='g' size='.1'/>"
+      "</replicate></body></replicate></worldbody>\n<actuator><motor joint='k'/></actuator>"
+      "</mujoco>\n"};
 }
 #else
 bool read(std::string_view) { return false; }
