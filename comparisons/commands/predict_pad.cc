@@ -137,19 +137,6 @@ std::string pad_surface_text(const nlohmann::json& result) {
   return text;
 }
 
-/// Refuses a load that the pad's rim does not bear, with what is allowed.
-void refuse_lift_off(const PadPair& pair, const PadAnswer& answer) {
-  const double used = answer.prediction.tilt_utilisation;
-  if (!pair.load_at_m || !answer.prediction.has_answer || used <= 1) return;
-  const Eigen::Vector2d at_mm = 1e3 * *pair.load_at_m, middle_mm = 1e3 * pair.contact.centroid_m(),
-                        least_mm = middle_mm + (at_mm - middle_mm) / used;
-  throw InputError(pair.load_at_where, "load_at_mm",
-                   fmt::format("[{:.4g}, {:.4g}]", at_mm.x(), at_mm.y()),
-                   fmt::format("to [{:.4g}, {:.4g}] in this direction: beyond, the pad's rim lifts "
-                               "off, and these models keep the whole face in contact",
-                               least_mm.x(), least_mm.y()));
-}
-
 }  // namespace
 
 int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
@@ -167,7 +154,7 @@ int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
     for (const PadModel* model : models) {
       answers.push_back(prediction::ask_pad_model(*model, contact_case, shape, load_N,
                                                   question.demand, budget_ns));
-      if (answers.size() == 1) refuse_lift_off(pair, answers.back());
+      if (answers.size() == 1) prediction::refuse_lift_off(pair, answers.back());
     }
     // The models are in the order of their worth.
     const auto answered = std::find_if(answers.begin(), answers.end(), [](const PadAnswer& answer) {
