@@ -1,6 +1,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
+#include <variant>
 
 #include "comparisons/calibration/calibration_report.h"
 #include "comparisons/commands/case_input.h"
@@ -152,7 +153,13 @@ int run_calibrate(const CalibrateOptions& options) {
   const input::Case contact_case =
       input::read_case(system::find_case_file(options.case_file), settings_of(options.settings),
                        input::FlatPads::taken);
-  refuse_pad(contact_case, "softfinger calibrate");
+  if (std::holds_alternative<input::PadPair>(contact_case.geometry))
+    throw InputError(
+        contact_case.geometry_where,
+        "softfinger calibrate does not take flat pads yet: their area is the outline's "
+        "and says nothing of the layer; indentation goes with 1/E, so that E is the "
+        "case's, times predicted over measured indentation",
+        "", "");
   const calibration::CaseCalibration result =
       calibration::calibrate_case(contact_case, table, request);
   for (const std::string& line : result.remarks) remark(line);

@@ -2,8 +2,8 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
+#include <variant>
 
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
@@ -16,6 +16,7 @@
 #include "comparisons/text/json_text.h"
 #include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pads/pad_model.h"
 
 namespace softfinger::commands {
 namespace {
@@ -26,12 +27,27 @@ struct ExploreOptions {
   bool json = false;
 };
 
+using Start = std::variant<std::monostate, report::ExplorerStart, report::PadStart>;
+
 /// The contact of a case at its middle load.
 /// @throws InputError for what the page does not know
-std::optional<report::ExplorerStart> start_of(const CaseInput& typed) {
-  const bool is_typed = !typed.file.empty() || !typed.radii_mm.empty();
-  if (!is_typed) return std::nullopt;
+Start start_of(const CaseInput& typed) {
+  const bool is_typed = !typed.file.empty() || !typed.radii_mm.empty() || !typed.pad_mm.empty() ||
+                        !typed.pad_diameter_mm.empty();
+  if (!is_typed) return {};
   const input::Case contact_case = read_case(typed);
+  const std::string name = typed.file.empty() ? "command line" : typed.file;
+  if (const auto* pair = std::get_if<input::PadPair>(&contact_case.geometry)) {
+    if (pair->load_at_m)
+      throw InputError(pair->load_at_where, "load_at_mm", "",
+                       "no such key for explore, whose load "
+                       "acts in the middle of the pad");
+    return report::PadStart{name,
+                            *pair,
+                            contact_case.layer,
+                            {exporting::choose_loads(contact_case.loads_N, {}).nominal_N,
+                             contact_case.shear_law.friction_coefficient}};
+  }
   input::require_coulomb(contact_case, "explore");
   if (!contact_case.sublayers.empty() || contact_case.object_layer.thickness_m > 0)
     throw InputError(contact_case.id, "layers", "several", "one homogeneous layer for explore");
@@ -39,21 +55,44 @@ std::optional<report::ExplorerStart> start_of(const CaseInput& typed) {
   for (const std::string& line : resolver.remarks()) remark(line);
   const double load_N = exporting::choose_loads(contact_case.loads_N, {}).nominal_N;
   return report::ExplorerStart{
-      typed.file.empty() ? "command line" : typed.file,
-      prediction::contact_problem(contact_case, resolver.resolve(load_N), load_N)};
+      name, prediction::contact_problem(contact_case, resolver.resolve(load_N), load_N)};
+}
+
+std::string torque_in_words(const std::string& name, double load_N, double torque_Nm,
+                            const ModelCard& card) {
+  return fmt::format("{}, {:g} N: torque {:.3g} mN·m by {}", name, load_N, 1e3 * torque_Nm,
+                     card.name);
+}
+
+std::string no_answer(const std::string& name, double load_N) {
+  return fmt::format("{}, {:g} N: no model has an answer", name, load_N);
 }
 
 /// The torque of the contact from which the page starts, by the recommended model.
 std::string answer_in_words(const report::ExplorerStart& start) {
   const PressureModel& model = default_model(start.problem);
   const Prediction answer = model.predict(start.problem);
-  const double load_N = start.problem.load.normal_force_N;
-  if (!answer.has_answer)
-    return fmt::format("{}, {:g} N: no model has an answer", start.case_name, load_N);
-  return fmt::format(
-      "{}, {:g} N: torque {:.3g} mN·m by {}", start.case_name, load_N,
-      1e3 * start.problem.load.friction_coefficient * load_N * answer.torque_arm_exact_m,
-      model.card().name);
+  const ContactLoad& load = start.problem.load;
+  if (!answer.has_answer) return no_answer(start.case_name, load.normal_force_N);
+  return torque_in_words(
+      start.case_name, load.normal_force_N,
+      load.friction_coefficient * load.normal_force_N * answer.torque_arm_exact_m, model.card());
+}
+
+std::string answer_in_words(const report::PadStart& start) {
+  const PadModel& model = *all_pad_models().front();
+  const PadShape shape(start.pair.contact);
+  const PadPrediction answer =
+      model.predict({&shape, start.layer, start.load, start.pair.pressing, {}});
+  const ContactLoad& load = start.load;
+  if (!answer.has_answer) return no_answer(start.case_name, load.normal_force_N);
+  return torque_in_words(start.case_name, load.normal_force_N,
+                         load.friction_coefficient * load.normal_force_N * answer.eccentricity_m,
+                         model.card());
+}
+
+std::string answer_in_words(std::monostate) {
+  return "sliders for any contact, from the models themselves";
 }
 
 int run_explore(const ExploreOptions& options) {
@@ -66,19 +105,19 @@ int run_explore(const ExploreOptions& options) {
                                  "makes the page; install it and build again (Debian: {})",
                                  report::kExplorerPackages),
                      "", "");
-  const std::optional<report::ExplorerStart> start = start_of(options.typed_case);
+  const Start start = start_of(options.typed_case);
   system::write_file_atomically(
       output, report::explorer_page("softfinger " + system::program_version(), options.command_line,
                                     start));
   if (options.json) {
     nlohmann::json models = nlohmann::json::array();
     for (const PressureModel* model : explorer::models()) models.push_back(model->card().name);
+    for (const PadModel* model : all_pad_models()) models.push_back(model->card().name);
     const nlohmann::json object = {{"page", output}, {"models", models}};
     system::write_to_stdout(text::printed(object));
   } else {
     system::write_text_to_stdout(fmt::format(
-        "{}\nPage: {}\n",
-        start ? answer_in_words(*start) : "sliders for any contact, from the models themselves",
+        "{}\nPage: {}\n", std::visit([](const auto& from) { return answer_in_words(from); }, start),
         output));
   }
   return 0;
@@ -93,17 +132,19 @@ void add_explore(CLI::App& app, Action& action, const std::string& command_line)
                                          "A page with sliders for a contact: ellipse, pressure, "
                                          "limit surface, error bounds, lines for "
                                          "simulators, at once");
-  add_case(*command, options->typed_case);
+  add_case(*command, options->typed_case, true, input::FlatPads::taken);
   command->add_option("-o,--output", options->output, "HTML file to write; default: explore.html");
   command->add_flag("--json", options->json,
                     "one JSON object on standard output: the page's file, the models in it");
   command->footer(
-      "With a case the page starts from its contact, at the middle one of its loads.\n"
+      "With a case the page starts from its contact, at the middle one of its loads: a curved\n"
+      "fingertip, or a flat pad.\n"
       "The page needs no network: the models run in the browser, compiled to WebAssembly. The\n"
       "contact stands in the page's address, behind #, so that a link repeats it.\n"
       "Samples:\n"
       "  softfinger explore\n"
-      "  softfinger explore silicone_pad_2mm --output fingertip.html");
+      "  softfinger explore silicone_pad_2mm --output fingertip.html\n"
+      "  softfinger explore robotiq_like_pad --output pad.html");
   command->callback([options, &action] { action = [options] { return run_explore(*options); }; });
 }
 

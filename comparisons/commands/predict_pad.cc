@@ -147,31 +147,6 @@ std::string pad_surface_text(const nlohmann::json& result) {
   return text;
 }
 
-/// Refuses a load under which nearly all of the face has lifted off, with the place that is
-/// allowed.
-void refuse_tipping(const PadPair& pair, const PadAnswer& answer) {
-  if (!pair.load_at_m || answer.prediction.has_answer) return;
-  const Eigen::Vector2d middle_m = pair.contact.centroid_m();
-  const auto stands = [&](double share) {
-    PadProblem nearer = answer.problem;
-    nearer.load_at_m = middle_m + share * (*pair.load_at_m - middle_m);
-    return answer.model->predict(nearer).has_answer;
-  };
-  if (!stands(0)) return;  // the load's place is not the reason
-  double known = 0, unknown = 1;
-  while (unknown - known > 1e-3) {
-    const double share = (known + unknown) / 2;
-    (stands(share) ? known : unknown) = share;
-  }
-  const Eigen::Vector2d at_mm = 1e3 * *pair.load_at_m,
-                        most_mm = 1e3 * (middle_m + known * (*pair.load_at_m - middle_m));
-  throw InputError(pair.load_at_where, "load_at_mm",
-                   fmt::format("[{:.4g}, {:.4g}]", at_mm.x(), at_mm.y()),
-                   fmt::format("to [{:.4g}, {:.4g}] in this direction: beyond, nearly all of the "
-                               "face has lifted off and the pad is about to tip",
-                               most_mm.x(), most_mm.y()));
-}
-
 }  // namespace
 
 int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
@@ -189,7 +164,7 @@ int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
     for (const PadModel* model : models) {
       answers.push_back(prediction::ask_pad_model(*model, contact_case, shape, load_N,
                                                   question.demand, budget_ns));
-      if (answers.size() == 1) refuse_tipping(pair, answers.back());
+      if (answers.size() == 1) prediction::refuse_tipping(pair, answers.back());
     }
     // The models are in the order of their worth.
     const auto answered = std::find_if(answers.begin(), answers.end(), [](const PadAnswer& answer) {

@@ -145,6 +145,11 @@ int sweep_on_ranks(const Options& options, int rank) {
   for (const std::string& typed : options.settings) settings.push_back(input::parse_setting(typed));
   const sweep::SweepPlan plan(text, input::name_of_typed(file), options.output, options.fem_limits,
                               settings, options.demand.demand());
+  if (!plan.fem.pads.empty())
+    throw InputError(plan.sweep.base().geometry_where,
+                     "softfinger-sweep solves no finite elements of flat pads: softfinger sweep "
+                     "does, on one machine",
+                     "", "");
   const RankTask work = [&](long task) {
     return or_end_all([&] {
       if (plan.sweep.fem()) return do_fem_job(plan.fem.jobs[std::size_t(task)], plan.fem.settings);

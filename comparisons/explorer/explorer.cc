@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <string_view>
 
+#include "comparisons/explorer/json_parts.h"
 #include "comparisons/exporting/normal_stiffness.h"
 #include "comparisons/exporting/simulator.h"
 #include "softfinger/accuracy/default_model.h"
@@ -17,33 +17,6 @@
 
 namespace softfinger::explorer {
 namespace {
-
-std::string json_number(double value) {
-  return std::isfinite(value) ? fmt::format("{}", value) : "null";
-}
-
-std::string json_string(std::string_view text) {
-  std::string out = "\"";
-  for (const char letter : text) {
-    if (letter == '\n') {
-      out += "\\n";
-      continue;
-    }
-    if (letter == '"' || letter == '\\') out += '\\';
-    out += letter;
-  }
-  return out + "\"";
-}
-
-/// The parts with commas between them, in brackets.
-class List {
- public:
-  void add(const std::string& part) { text_ += (text_.empty() ? "" : ",") + part; }
-  std::string text() const { return "[" + text_ + "]"; }
-
- private:
-  std::string text_;
-};
 
 struct Answer {
   Prediction prediction;

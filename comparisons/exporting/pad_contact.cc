@@ -5,14 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparisons/exporting/soft_pad.h"
+
 namespace softfinger::exporting {
-namespace {
-
-double uniform_eccentricity_m(const ConvexOutline& outline) {
-  return outline.radius_integral_m3(outline.centroid_m()) / outline.area_m2();
-}
-
-}  // namespace
 
 std::array<double, 2> PadContact::tipping_half_lengths_m() const {
   const ConvexOutline& outline = shape->outline();
@@ -42,29 +37,9 @@ PadContact ask_pad_contact(const input::Case& contact_case, double load_N,
   made.shape = std::make_unique<PadShape>(pair.contact);
   const PadModel& model = *find_pad_model("pad_layer");
   made.answer = prediction::ask_pad_model(model, contact_case, *made.shape, load_N, demand, 0);
-  SoftContact& contact = made.contact;
-  contact.friction_coefficient = made.answer.problem.load.friction_coefficient;
-  contact.load_N = load_N;
-  contact.eccentricity_m = made.answer.prediction.eccentricity_m;
-  contact.indentation_m = made.answer.prediction.indentation_m;
-  contact.normal_stiffness_N_per_m = made.answer.prediction.normal_stiffness_N_per_m;
-  contact.origin = without_double_hyphens(
+  made.contact = soft_pad(model, made.answer.problem, made.answer.prediction);
+  made.contact.origin = without_double_hyphens(
       fmt::format("{}, {}, {:g} N", contact_case.id, model.card().name, load_N));
-  double corner_m = 0;
-  for (const Eigen::Vector2d& vertex : pair.contact.vertices_m())
-    corner_m = std::max(corner_m, (vertex - pair.contact.centroid_m()).norm());
-  PadProblem centred = made.answer.problem;
-  centred.load_at_m.reset();
-  const Eigen::Vector2d extent_m = pair.contact.extent_m();
-  contact.face =
-      PadFace{extent_m.x(),
-              extent_m.y(),
-              pair.contact.area_m2(),
-              contact_case.layer.thickness_m,
-              model.predict(centred).eccentricity_m,
-              corner_m,
-              uniform_eccentricity_m(pair.contact),
-              uniform_eccentricity_m(ConvexOutline::rounded_rectangle(extent_m.x(), extent_m.y()))};
   return made;
 }
 

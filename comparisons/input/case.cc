@@ -439,11 +439,11 @@ void require_plain_pad(const TomlReader& reader, const toml::table& root) {
 
 void refuse_pad(const Case& contact_case, const std::string& command) {
   if (!std::holds_alternative<PadPair>(contact_case.geometry)) return;
-  throw InputError(
-      contact_case.geometry_where,
-      command +
-          " does not take flat pads yet: softfinger predict, fem, compare, select and export do",
-      "", "");
+  throw InputError(contact_case.geometry_where,
+                   command +
+                       " does not take flat pads yet: softfinger predict, fem, compare, select, "
+                       "sweep, explore and export do",
+                   "", "");
 }
 
 void settle_finger_shape(Case& contact_case) {

@@ -60,14 +60,14 @@ std::pair<double, double> reach_m(const ConvexOutline& outline, int axis) {
 
 PressureProfile model_profile(const PadAnswer& answer, int axis) {
   constexpr int kPoints = 81;
-  constexpr double kInside = 1 - 1e-6;  // a point of the outline itself may count as outside
+  constexpr double kJustInside = 1 - 1e-6;  // a point of the outline itself may count as outside
   const ConvexOutline& outline = answer.problem.shape->outline();
   const auto [back_m, front_m] = reach_m(outline, axis);
   PressureProfile profile;
   for (int i = 0; i < kPoints; ++i) {
     // Denser towards the edges, where the pressure changes fast.
     const double share = (1 - std::cos(kPi * i / (kPoints - 1))) / 2;
-    const double at_m = kInside * (back_m + share * (front_m - back_m));
+    const double at_m = kJustInside * (back_m + share * (front_m - back_m));
     const Eigen::Vector2d point_m =
         outline.centroid_m() + at_m * Eigen::Vector2d::Unit(Eigen::Index(axis));
     profile.position_m.push_back(at_m);

@@ -29,15 +29,6 @@ std::vector<Twist> spread_twists(double arm_m, int count) {
   return twists;
 }
 
-/// The friction that sticks a face from rim to rim, from rows of finite elements: 0.33 at nu = 0.3,
-/// 0.87 at 0.49. Below, stiffness and pressure lie between those of both pressings.
-double friction_that_sticks(double poisson_ratio) {
-  return std::max(0.2, 0.33 + 2.85 * (poisson_ratio - 0.3));
-}
-
-/// Share of the pad's face below which an object's edge within it counts.
-constexpr double kCovered = 0.98;
-
 double median_cost_ns(const PadModel& model, const PadProblem& problem, double budget_ns) {
   using Clock = std::chrono::steady_clock;
   std::vector<double> times;
@@ -166,6 +157,29 @@ PadAnswer ask_pad_model(const PadModel& model, const input::Case& contact_case,
   answer.cost_ns = median_cost_ns(model, answer.problem, budget_ns);
   assess_pad(pair, demand, answer);
   return answer;
+}
+
+void refuse_tipping(const input::PadPair& pair, const PadAnswer& answer) {
+  if (!pair.load_at_m || answer.prediction.has_answer) return;
+  const Eigen::Vector2d middle_m = pair.contact.centroid_m();
+  const auto stands = [&](double share) {
+    PadProblem nearer = answer.problem;
+    nearer.load_at_m = middle_m + share * (*pair.load_at_m - middle_m);
+    return answer.model->predict(nearer).has_answer;
+  };
+  if (!stands(0)) return;  // the load's place is not the reason
+  double known = 0, unknown = 1;
+  while (unknown - known > 1e-3) {
+    const double share = (known + unknown) / 2;
+    (stands(share) ? known : unknown) = share;
+  }
+  const Eigen::Vector2d at_mm = 1e3 * *pair.load_at_m,
+                        most_mm = 1e3 * (middle_m + known * (*pair.load_at_m - middle_m));
+  throw InputError(pair.load_at_where, "load_at_mm",
+                   fmt::format("[{:.4g}, {:.4g}]", at_mm.x(), at_mm.y()),
+                   fmt::format("to [{:.4g}, {:.4g}] in this direction: beyond, nearly all of the "
+                               "face has lifted off and the pad is about to tip",
+                               most_mm.x(), most_mm.y()));
 }
 
 double indentation_at_load_m(const PadAnswer& answer) {

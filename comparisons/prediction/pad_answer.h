@@ -16,6 +16,9 @@
 /// Answers of the flat pads' models.
 namespace softfinger::prediction {
 
+/// Share of the pad's face below which an object's edge within it counts.
+constexpr double kCovered = 0.98;
+
 /// One model's answer at one load, with its bound against finite elements of the pad.
 struct PadAnswer {
   const PadModel* model = nullptr;
@@ -46,6 +49,9 @@ std::vector<const PadModel*> pad_models_by_name(const std::string& names);
 PadAnswer ask_pad_model(const PadModel& model, const input::Case& contact_case,
                         const PadShape& shape, double load_N, const Demand& demand,
                         double budget_ns);
+
+/// @throws InputError that says how far the load may go, where nearly all of the face has lifted off
+void refuse_tipping(const input::PadPair& pair, const PadAnswer& answer);
 
 /// Approach of the faces where the load acts, as finite elements have it; in the middle it is
 /// `indentation_m`.

@@ -287,6 +287,17 @@ int run_pads(const std::string& program, const std::vector<FemDocuments>& batche
   return run_fem_documents(program, batches, parallel, of_documents);
 }
 
+ReadPadElements finished_pad(const PadJob& job, const FemJobOptions& options) {
+  ReadPadElements read;
+  FinishedDocument finished =
+      read_finished_document(job.file, options.identity, job.problem, [&](const json& result) {
+        read = read_pad_elements(result);
+        return read.flaw;
+      });
+  if (finished.result.is_null()) return {std::nullopt, std::move(finished.flaw)};
+  return read;
+}
+
 int run_pad_jobs(const std::vector<PadJob>& jobs, const FemJobOptions& options,
                  system::Progress& progress,
                  const std::function<void(const PadJob&, PadSolution)>& on_solution) {
@@ -294,15 +305,10 @@ int run_pad_jobs(const std::vector<PadJob>& jobs, const FemJobOptions& options,
   std::vector<std::vector<const PadJob*>> jobs_of;  // per batch
   std::size_t done = 0;
   for (const PadJob& job : jobs) {
-    ReadPadElements read;
-    const FinishedDocument finished =
-        read_finished_document(job.file, options.identity, job.problem, [&](const json& result) {
-          read = read_pad_elements(result);
-          return read.flaw;
-        });
-    if (!finished.result.is_null()) {
+    ReadPadElements finished = finished_pad(job, options);
+    if (finished.elements) {
       progress.say(fmt::format("[{}/{}] {}: reused", ++done, jobs.size(), job.title));
-      on_solution(job, {std::move(read.elements), "", 0});
+      on_solution(job, {std::move(finished.elements), "", 0});
       continue;
     }
     if (!finished.flaw.empty())

@@ -92,6 +92,9 @@ struct PadJob {
   std::size_t group = 0;  ///< jobs of one group that follow each other share a process
 };
 
+/// The finished result of a job, if there is one; else what is wrong with its file, if that exists.
+ReadPadElements finished_pad(const PadJob& job, const FemJobOptions& options);
+
 /// Reuses the results that are finished, solves the other jobs and says how far it is.
 /// @param on_solution  called once for each job
 /// @returns 0, or the signal that interrupted

@@ -1,79 +1,23 @@
 // The page of `softfinger explore`: reads the sliders, asks the library (explorer.wasm), shows the answer.
 // The contact stands in the address behind #, so that a link repeats it.
-import {axisBottom, axisLeft} from "d3-axis";
-import {scaleLinear} from "d3-scale";
-import {select} from "d3-selection";
-import {line} from "d3-shape";
-import wasm from "softfinger-explorer";
+import {Picture, all, allowed, copy, duration, listenToSliders, load, number, percent, roundUp, sentence, showSliders, the, write} from "./explorer_parts.js";
+import {startPads} from "./explorer_pads.js";
 
 const page = document.documentElement;
-const {sliders, models, shape, case: caseName} = JSON.parse(document.getElementById("data").textContent);
-const the = (id) => document.getElementById(id);
-const all = (selector) => [...document.querySelectorAll(selector)];
-
-// The library ----------------------------------------------------------------------------------------
-
-// It has no files, no environment and nothing to print: what its C library asks of a system is refused.
-async function load() {
-  const refused = new Proxy({}, {get: (_, name) => () => { throw new Error(`the library called ${String(name)}`); }});
-  const module = await WebAssembly.compile(wasm);
-  const imports = {};
-  for (const {module: from, name} of WebAssembly.Module.imports(module)) (imports[from] ??= {})[name] = refused[name];
-  const {exports} = await WebAssembly.instantiate(module, imports);
-  exports._initialize();
-  const pose = (numbers) => new Float64Array(exports.memory.buffer, exports.question(), numbers.length).set(numbers);
-  const words = new TextDecoder();
-  return {
-    ask(numbers) {
-      pose(numbers);
-      const start = exports.answer();
-      const bytes = new Uint8Array(exports.memory.buffer, start);
-      return JSON.parse(words.decode(bytes.subarray(0, bytes.indexOf(0))));
-    },
-    // Nanoseconds of one prediction; null where the clock is too coarse to tell.
-    time(numbers, model) {
-      pose(numbers);
-      const calls = 20000;
-      const times = [0, 1, 2].map(() => {
-        const start = performance.now();
-        exports.repeat(model, calls);
-        return performance.now() - start;
-      });
-      const least = Math.min(...times);
-      return least > 0 ? 1e6 * least / calls : null;
-    },
-  };
-}
+const {sliders, models, shape, case: caseName, pad: padData, first} = JSON.parse(document.getElementById("data").textContent);
 
 // The contact ----------------------------------------------------------------------------------------
 
 const state = {shown: -1};
 for (const slider of sliders) state[slider.key] = slider.start;
-const three = (value) => Number(value.toPrecision(3));
-const ofSlider = ({low, high, logarithmic}, position) =>
-  three(logarithmic ? low * (high / low) ** (position / 1000) : low + (high - low) * position / 1000);
-const toSlider = ({low, high, logarithmic}, value) => Math.round(1000 *
-  Math.min(1, Math.max(0, logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low))));
-const allowed = ({least, largest, logarithmic}, value) =>
-  Number.isFinite(value) && value <= largest && (logarithmic ? value > least : value >= least);
-
 function set(key, value) {
   state[key] = value;
   // R' is the larger one: each takes the other along.
   if (key === "R1" && state.R2 > value) state.R2 = value;
   if (key === "R2" && state.R1 < value) state.R1 = value;
 }
-// A number that is being typed is left alone.
 function showContact() {
-  for (const slider of sliders) {
-    const value = state[slider.key], typed = the(`${slider.key}_typed`), range = the(slider.key);
-    if (document.activeElement !== typed) {
-      typed.value = String(value);
-      typed.removeAttribute("aria-invalid");
-    }
-    if (document.activeElement !== range || ofSlider(slider, Number(range.value)) !== value) range.value = String(toSlider(slider, value));
-    range.setAttribute("aria-valuetext", `${value} ${slider.unit}`.trim());
-  }
+  showSliders(sliders, state);
   for (const radio of all('input[name="shown"]')) radio.checked = Number(radio.value) === state.shown;
 }
 const addressOf = () => {
@@ -81,17 +25,37 @@ const addressOf = () => {
   if (state.shown >= 0) parts.push(`model=${models[state.shown].name}`);
   return parts.join("&");
 };
+// One of two parts is seen: a curved fingertip, or a flat pad.
+let pads = null;
+const isPad = () => !the("pad").hidden;
+function choose(part) {
+  for (const name of ["curved", "pad"]) {
+    the(name).hidden = name !== part;
+    the(`choose_${name}`).setAttribute("aria-pressed", String(name === part));
+  }
+  page.dataset.chartsExpected = part === "pad" ? "2" : "3";
+  if (part === "pad") pads.fit();
+  else fit();
+  (part === "pad" ? pads.update : update)();
+  page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
+}
+
 function readAddress() {
   const given = new URLSearchParams(location.hash.slice(1));
+  if (given.get("contact") === "pad") {
+    pads.readAddress(given);
+    return "pad";
+  }
   for (const slider of sliders) {
     const value = given.has(slider.key) && given.get(slider.key) !== "" ? Number(given.get(slider.key)) : NaN;
     if (allowed(slider, value)) set(slider.key, value);
   }
   state.shown = models.findIndex(({name}) => name === given.get("model"));
+  return location.hash.length > 1 ? "curved" : first;
 }
 function writeAddress() {
   const address = new URL(location.href);
-  address.hash = addressOf();
+  address.hash = isPad() ? pads.address() : addressOf();
   try {
     history.replaceState(null, "", address.href);
   } catch {
@@ -99,83 +63,8 @@ function writeAddress() {
   }
 }
 
-// Numbers as people read them --------------------------------------------------------------------------
-
-const number = (value) => {
-  if (value === null || value === undefined) return "–";
-  if (value === 0) return "0";
-  const size = Math.abs(value);
-  return size >= 1e5 || size < 1e-4 ? String(Number(value.toPrecision(4)).toExponential()).replace("e+", "e") : String(Number(value.toPrecision(4)));
-};
-const percent = (ratio) => {
-  if (ratio >= 10) return "> 1000 %";
-  return `${Number((100 * ratio).toPrecision(ratio < 0.1 ? 2 : 3))} %`;
-};
-const duration = (ns) => (ns === null || ns === undefined ? "–" : ns < 1000 ? `${Number(ns.toPrecision(2))} ns` : `${Number((ns / 1000).toPrecision(2))} µs`);
-
 // Pictures -------------------------------------------------------------------------------------------
 
-class Picture {
-  constructor(name, {height, left}) {
-    this.box = document.querySelector(`[data-chart="${name}"] .plot`);
-    this.margin = {left, right: 24, top: 24, bottom: 40};
-    this.height = height;
-    this.svg = select(this.box).append("svg").attr("role", "img").attr("height", height);
-    [this.across, this.up, this.marks] = [0, 1, 2].map(() => this.svg.append("g"));
-    this.labels = {
-      x: this.svg.append("text").attr("text-anchor", "end").attr("y", height - 4),
-      y: this.svg.append("text").attr("x", 0).attr("y", 12),
-    };
-    this.paths = new Map();
-  }
-  fit(width) {
-    this.width = width;
-    this.svg.attr("width", width);
-    this.labels.x.attr("x", width - 2);
-  }
-  describe(words) { this.svg.attr("aria-label", words); }
-  axes(xDomain, yDomain, xLabel, yLabel) {
-    const {left, right, top, bottom} = this.margin, [width, height] = [this.width, this.height];
-    this.x = scaleLinear(xDomain, [left, width - right]);
-    this.y = scaleLinear(yDomain, [height - bottom, top]);
-    const ticks = Math.max(2, Math.min(6, Math.floor((width - left - right) / 60)));
-    // Short words even where a number is not: "2e8" for 200,000,000.
-    const short = (scale) => (scale.domain()[1] >= 1e4 || scale.domain()[1] < 1e-2 ? (value) => number(Number(value.toPrecision(12))) : null);
-    this.across.attr("transform", `translate(0,${height - bottom})`)
-      .call(axisBottom(this.x).ticks(ticks).tickFormat(short(this.x)).tickSize(top + bottom - height).tickPadding(8));
-    this.up.attr("transform", `translate(${left},0)`)
-      .call(axisLeft(this.y).ticks(5).tickFormat(short(this.y)).tickSize(left + right - width).tickPadding(8));
-    this.labels.x.text(xLabel);
-    this.labels.y.text(yLabel);
-  }
-  begin() { this.unused = new Set(this.paths.keys()); }
-  path(name, d, attributes) {
-    if (!this.paths.has(name)) this.paths.set(name, this.marks.append("path").attr("fill", "none").attr("data-path", name));
-    const path = this.paths.get(name);
-    path.attr("d", d);
-    for (const [key, value] of Object.entries(attributes)) path.attr(key, value);
-    this.unused.delete(name);
-    this.marks.node().append(path.node());  // in the order of drawing
-  }
-  points(name, list, attributes) {
-    this.path(name, line((p) => this.x(p[0]), (p) => this.y(p[1]))(list), attributes);
-  }
-  end() {
-    for (const name of this.unused) {
-      this.paths.get(name).remove();
-      this.paths.delete(name);
-    }
-  }
-  clear() {
-    this.begin();
-    this.end();
-  }
-}
-// The smallest of 1, 2, 5, 10 .. that is not below: a picture that grows while a slider moves keeps its scale for a while.
-const roundUp = (value) => {
-  const decade = 10 ** Math.floor(Math.log10(value));
-  return [1, 1.5, 2, 3, 5, 7, 10].map((m) => m * decade).find((top) => top >= value * (1 - 1e-12)) ?? value;
-};
 const pictures = {
   ellipse: new Picture("ellipse", {height: 270, left: 46}),
   pressure: new Picture("pressure", {height: 270, left: 58}),
@@ -243,11 +132,6 @@ let times = models.map(() => null);
 const rows = all("tr[data-model]").map((row) => ({
   row, cells: Object.fromEntries([...row.querySelectorAll("[data-key]")].map((cell) => [cell.dataset.key, cell])),
 }));
-const write = (element, text) => {
-  if (element.textContent !== text) element.textContent = text;
-};
-const sentence = (words) => words && words[0].toUpperCase() + words.slice(1) + ".";
-
 function showTable(answer) {
   answer.models.forEach((model, i) => {
     const {row, cells} = rows[i];
@@ -324,6 +208,7 @@ const commandOf = () =>
 // Putting it together --------------------------------------------------------------------------------
 
 let library = null, settled = 0, frame = 0;
+const fit = () => Object.values(pictures).forEach((picture) => picture.fit(picture.box.clientWidth));
 const widths = () => Object.values(pictures).map((picture) => picture.box.clientWidth);
 const numbers = () => [...sliders.map(({key, si_per_unit}) => state[key] * si_per_unit), state.shown, ...shape];
 
@@ -345,6 +230,7 @@ function watchParts() {
 function update({onlyInSight = false} = {}) {
   cancelAnimationFrame(frame);
   frame = 0;
+  if (isPad()) return;
   showContact();
   const answer = library.ask(numbers());
   if (answer.shown < 0) {
@@ -373,34 +259,8 @@ function update({onlyInSight = false} = {}) {
 }
 const updateSoon = () => { frame ||= requestAnimationFrame(() => update({onlyInSight: true})); };
 
-function copy(button, text) {
-  const label = button.dataset.label ??= button.textContent;
-  const say = (words) => {
-    button.textContent = words;
-    setTimeout(() => { button.textContent = label; }, 1500);
-  };
-  // Pages from files may lack the clipboard.
-  (navigator.clipboard?.writeText(text) ?? Promise.reject()).then(() => say("Copied"), () => say("Select and copy by hand"));
-}
-
 function listen() {
-  for (const slider of sliders) {
-    const range = the(slider.key), typed = the(`${slider.key}_typed`);
-    range.addEventListener("input", () => {
-      set(slider.key, ofSlider(slider, Number(range.value)));
-      updateSoon();
-    });
-    range.addEventListener("change", () => update());
-    typed.addEventListener("input", () => {
-      const value = typed.value === "" ? NaN : Number(typed.value), fits = allowed(slider, value);
-      typed.setAttribute("aria-invalid", String(!fits));
-      if (!fits) return;
-      set(slider.key, value);
-      updateSoon();
-    });
-    typed.addEventListener("change", () => update());
-    typed.addEventListener("blur", updateSoon);
-  }
+  listenToSliders(sliders, {set, soon: updateSoon, settled: () => update()});
   document.querySelector("form.sliders").addEventListener("submit", (event) => event.preventDefault());
   for (const radio of all('input[name="shown"]'))
     radio.addEventListener("change", () => {
@@ -418,15 +278,17 @@ function listen() {
   });
   for (const button of all("button[data-copy]"))
     button.addEventListener("click", () => copy(button, document.querySelector(`pre[data-simulator="${button.dataset.copy}"]`).textContent));
-  addEventListener("hashchange", () => {
-    readAddress();
-    update();
-  });
+  for (const part of ["curved", "pad"]) the(`choose_${part}`).addEventListener("click", () => choose(part));
+  addEventListener("hashchange", () => choose(readAddress()));
   new ResizeObserver(() => {
     const current = widths();
-    if (!Object.values(pictures).some((picture, i) => picture.width !== current[i])) return;
-    Object.values(pictures).forEach((picture, i) => picture.fit(current[i]));
-    updateSoon();
+    const hasChanged = isPad() ? pads.fit() : Object.values(pictures).some((picture, i) => picture.width !== current[i]);
+    if (!hasChanged) return;
+    if (isPad()) pads.soon();
+    else {
+      fit();
+      updateSoon();
+    }
     page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
   }).observe(document.body);
 }
@@ -435,12 +297,10 @@ async function start() {
   page.dataset.chartsExpected = "3";
   page.dataset.chartsDrawn = "0"; // also shows the places of the charts, see report.css
   library = await load();
-  readAddress();
-  const current = widths();
-  Object.values(pictures).forEach((picture, i) => picture.fit(current[i]));
+  pads = startPads(library, padData, writeAddress);
   listen();
   watchParts();
-  update();
+  choose(readAddress());
   page.dataset.chartsDrawn = String(all(".plot svg").filter((svg) => svg.querySelector("path[data-path]")).length);
   page.dataset.overflow = String(page.scrollWidth > page.clientWidth);
   // After the first picture: the clock needs some calls.

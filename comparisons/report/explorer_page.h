@@ -1,9 +1,10 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 
+#include "comparisons/input/pad.h"
 #include "softfinger/input/contact_problem.h"
 
 namespace softfinger::report {
@@ -21,13 +22,23 @@ struct ExplorerStart {
   ContactProblem problem;
 };
 
-/// The page of `softfinger explore`: sliders for a contact, and what the models, their error
-/// bounds, the limit surface and the simulators make of it, computed in the browser by the library
-/// itself (explorer/explorer.h). It needs no network and no server. Only with `has_explorer()`.
+/// The flat pad that the page starts with. A rectangle or a disc under a larger plane is sliders;
+/// any other contact stays as the case has it.
+struct PadStart {
+  std::string case_name;
+  input::PadPair pair;
+  ElasticLayer layer;
+  ContactLoad load;
+};
+
+/// The page of `softfinger explore`: sliders for a contact of curved bodies or of a flat pad, and
+/// what the models, their error bounds, the limit surface and the simulators make of it, computed
+/// in the browser by the library itself (explorer/explorer.h). It needs no network and no server.
+/// Only with `has_explorer()`.
 /// @param version  "softfinger 0.1.0"
 /// @param command  as typed
-/// @param start    none: a silicone finger on a plane by its relative radii
+/// @param start    none: a silicone finger on a plane by its relative radii, and a rectangular pad
 std::string explorer_page(const std::string& version, const std::string& command,
-                          const std::optional<ExplorerStart>& start = std::nullopt);
+                          const std::variant<std::monostate, ExplorerStart, PadStart>& start = {});
 
 }  // namespace softfinger::report

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,17 +29,24 @@ struct Quantity {
   const char* column;  ///< of results.csv, after the model's name
   const char* words;
   const char* unit;
-  double factor;  ///< from SI
+  double factor;         ///< from SI
+  int interest;          ///< place in the sentence about a model
+  bool decides = false;  ///< models are compared by it
 };
-constexpr std::array<Quantity, 6> kQuantities{
-    {{"a", "a_m", "a", "mm", 1e3},
-     {"b", "b_m", "b", "mm", 1e3},
-     {"indentation", "indentation_m", "approach d", "mm", 1e3},
-     {"peak_pressure", "peak_pressure_Pa", "peak pressure", "kPa", 1e-3},
-     {"area", "area_m2", "area", "mm²", 1e6},
-     {"max_torque", "max_torque_Nm", "largest torque", "mN·m", 1e3}}};
-constexpr std::size_t kArea = 4, kTorque = 5;
-constexpr std::array<std::size_t, 6> kInOrderOfInterest{kTorque, 0, 1, kArea, 2, 3};
+/// All that curved contacts and flat pads have; a page shows those that its rows have.
+constexpr std::array<Quantity, 12> kKnownQuantities{
+    {{"a", "a_m", "a", "mm", 1e3, 1},
+     {"b", "b_m", "b", "mm", 1e3, 2},
+     {"indentation", "indentation_m", "approach d", "mm", 1e3, 4},
+     {"normal_stiffness", "normal_stiffness_N_per_m", "stiffness", "N/mm", 1e-3, 6},
+     {"peak_pressure", "peak_pressure_Pa", "peak pressure", "kPa", 1e-3, 5},
+     {"area", "area_m2", "area", "mm²", 1e6, 3, true},
+     {"pressure_arm", "pressure_arm_m", "arm as pressed", "mm", 1e3, 7},
+     {"max_torque", "max_torque_Nm", "largest torque", "mN·m", 1e3, 0, true},
+     {"tilt_stiffness_x", "tilt_stiffness_x_Nm_per_rad", "tilt stiffness about x", "N·m/rad", 1, 8},
+     {"tilt_stiffness_y", "tilt_stiffness_y_Nm_per_rad", "tilt stiffness about y", "N·m/rad", 1, 9},
+     {"tilt_limit_x", "tilt_limit_x_Nm", "lift-off about x", "mN·m", 1e3, 10},
+     {"tilt_limit_y", "tilt_limit_y_Nm", "lift-off about y", "mN·m", 1e3, 11}}};
 
 Html with_unit(const Html& number, const std::string& unit) {
   return unit.empty() ? number : html("{}{}{}", number, kSpace, unit);
@@ -77,6 +85,12 @@ KeyName key_name(const std::string& key) {
       {"relative_radii_mm[1]", {"R″", "mm"}},
       {"youngs_modulus_kPa", {"Young’s modulus", "kPa"}},
       {"poisson_ratio", {"Poisson’s ratio", ""}},
+      {"pad_mm[0]", {"side along x", "mm"}},
+      {"pad_mm[1]", {"side along y", "mm"}},
+      {"offset_mm[0]", {"offset along x", "mm"}},
+      {"offset_mm[1]", {"offset along y", "mm"}},
+      {"load_at_mm[0]", {"load’s place along x", "mm"}},
+      {"load_at_mm[1]", {"load’s place along y", "mm"}},
       {"angle_deg", {"angle", "°"}}};
   static const std::array<const char*, 8> kUnits{"mm", "kPa", "MPa", "N", "m", "Pa", "deg", "rad"};
   std::string words = key.substr(key.rfind('.') + 1);
@@ -142,12 +156,11 @@ struct Variable {
   std::vector<double> values;  ///< of each row
 };
 
-/// A model's answers, or the finite elements', in the units of `kQuantities`.
+/// A model's answers, or the finite elements', by quantity and row, in the quantities' units.
 struct Source {
   std::string name, title;
-  std::array<std::vector<double>, kQuantities.size()> values;
-  std::array<std::vector<double>, kQuantities.size()>
-      errors;  ///< relative; of finite elements only
+  std::vector<std::vector<double>> values;
+  std::vector<std::vector<double>> errors;  ///< relative; of finite elements only
   std::vector<std::uint8_t> valid;
 
   bool answers(std::size_t row) const {
@@ -159,6 +172,7 @@ struct Source {
 
 /// Data of the page, read from a sweep.
 struct Table {
+  std::vector<Quantity> quantities;
   std::vector<Variable> variables;
   std::vector<Source> models;
   std::vector<Source> fem;  ///< one or none
@@ -170,12 +184,25 @@ struct Table {
   std::string usable;  ///< what usable answers are: "within 10 %"
 };
 
-Source source_of(const Columns& columns, const std::string& name) {
+/// The known quantities that some source of the rows has.
+std::vector<Quantity> quantities_of(const Columns& columns, const Json& sweep) {
+  std::vector<Quantity> found;
+  for (const Quantity& quantity : kKnownQuantities) {
+    bool is_there = columns.has(std::string("fem_") + quantity.column);
+    for (const Json& model : child(sweep, "models"))
+      is_there = is_there || columns.has(text(model, "name") + "_" + quantity.column);
+    if (is_there) found.push_back(quantity);
+  }
+  return found;
+}
+
+Source source_of(const Columns& columns, const std::vector<Quantity>& quantities,
+                 const std::string& name) {
   Source source;
   source.name = name;
-  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-    source.values[i] = columns.numbers(name + "_" + kQuantities[i].column);
-    for (double& value : source.values[i]) value *= kQuantities[i].factor;
+  for (const Quantity& quantity : quantities) {
+    source.values.push_back(columns.numbers(name + "_" + quantity.column));
+    for (double& value : source.values.back()) value *= quantity.factor;
   }
   for (const std::string& word : columns.texts(name + "_usable"))
     source.valid.push_back(word == "yes");
@@ -193,6 +220,7 @@ Table table_of(const Json& sweep) {
   const Columns columns(sweep);
   Table table;
   table.rows = columns.rows();
+  table.quantities = quantities_of(columns, sweep);
   table.points = columns.numbers("point");
   table.failures = columns.texts("failure");
   std::map<std::string, int> uses;
@@ -227,13 +255,13 @@ Table table_of(const Json& sweep) {
   for (const Json& model : child(sweep, "models")) {
     const std::string name = text(model, "name");
     if (name.empty()) continue;
-    table.models.push_back(source_of(columns, name));
+    table.models.push_back(source_of(columns, table.quantities, name));
     table.models.back().title = text(model, "title");
   }
   if (flag(sweep, "fem")) {
-    Source fem = source_of(columns, "fem");
-    for (std::size_t i = 0; i < kQuantities.size(); ++i)
-      fem.errors[i] = columns.numbers(std::string("fem_error_") + kQuantities[i].name);
+    Source fem = source_of(columns, table.quantities, "fem");
+    for (const Quantity& quantity : table.quantities)
+      fem.errors.push_back(columns.numbers(std::string("fem_error_") + quantity.name));
     table.fem.push_back(std::move(fem));
   }
   if (columns.has("contact.friction_coefficient"))
@@ -289,19 +317,76 @@ Deviations deviations_of(std::vector<double> errors) {
   return out;
 }
 
-/// The larger one of the errors in area and torque, by which models are compared in all reports.
+/// The largest of the errors by which models are compared in all reports: of area and torque; a
+/// pad's area is its own.
 double score_of(const Table& table, const Source& model, std::size_t row) {
-  const double area = deviation(table, model, kArea, row);
-  const double torque = deviation(table, model, kTorque, row);
-  return std::isnan(area) || std::isnan(torque) ? NAN : std::max(area, torque);
+  double largest = 0;
+  for (std::size_t i = 0; i < table.quantities.size(); ++i) {
+    if (!table.quantities[i].decides) continue;
+    const double error = deviation(table, model, i, row);
+    if (std::isnan(error)) return NAN;
+    largest = std::max(largest, error);
+  }
+  return largest;
 }
 
 std::size_t rows_with_fem(const Table& table) {
   std::size_t count = 0;
-  for (std::size_t row = 0; row < table.rows; ++row)
-    count += std::isfinite(table.fem[0].values[kArea][row]) &&
-             std::isfinite(table.fem[0].values[kTorque][row]);
+  for (std::size_t row = 0; row < table.rows; ++row) {
+    bool is_whole = true;
+    for (std::size_t i = 0; i < table.quantities.size(); ++i)
+      is_whole =
+          is_whole && (!table.quantities[i].decides || std::isfinite(table.fem[0].values[i][row]));
+    count += is_whole;
+  }
   return count;
+}
+
+/// "area and torque are", or "torque is".
+Html decisive_words(const Table& table) {
+  const bool has_area =
+      std::any_of(table.quantities.begin(), table.quantities.end(),
+                  [](const Quantity& q) { return q.name == std::string_view("area"); });
+  if (has_area) return "area and torque are";
+  return "torque is";
+}
+
+/// "thickness 1 mm, load 20 N": the row's values of what varies.
+Html row_words(const Table& table, std::size_t row) {
+  std::vector<Html> parts;
+  for (const Variable& variable : table.variables) {
+    const auto [least, largest] =
+        std::minmax_element(variable.values.begin(), variable.values.end());
+    if (least == variable.values.end() || *least == *largest) continue;
+    parts.push_back(html("{} {}", variable.words,
+                         with_unit(escape(plain(variable.values[row])), variable.unit)));
+  }
+  return listed(parts);
+}
+
+/// Says how far the second of two models is from the first or the finite elements.
+Html finding_of_other(const Table& table, const Source& first) {
+  if (table.models.size() != 2) return "";
+  const Source& other = &first == &table.models[0] ? table.models[1] : table.models[0];
+  const Source& reference = table.fem.empty() ? first : table.fem[0];
+  for (std::size_t i = 0; i < table.quantities.size(); ++i) {
+    if (table.quantities[i].name != std::string_view("max_torque")) continue;
+    double worst = 0;
+    std::size_t where = table.rows;
+    for (std::size_t row = 0; row < table.rows; ++row) {
+      const double apart = other.values[i][row] / reference.values[i][row] - 1;
+      if (!(std::abs(apart) > std::abs(worst))) continue;
+      worst = apart;
+      where = row;
+    }
+    if (where == table.rows) return "";
+    const Html at = row_words(table, where);
+    return html(" {}’s torque is up to {} {} than that of {}{}{}.", label(other.name),
+                percent(std::abs(worst)), worst < 0 ? "smaller" : "larger",
+                table.fem.empty() ? Html(escape(label(first.name))) : "the elements",
+                at.empty() ? Html("") : " at ", at);
+  }
+  return "";
 }
 
 Html finding_with_fem(const Table& table) {
@@ -328,10 +413,12 @@ Html finding_with_fem(const Table& table) {
   }
   if (!best) return "";
   return html(
-      "Closest to the finite elements is {}: area and torque are off by {} in the median and {} at "
-      "worst (over {} of the {} with finite elements).",
-      label(best->name), percent(of_best.median), percent(of_best.worst),
-      grouped(double(of_best.count)), count_text(double(compared), "row", "rows"));
+             "Closest to the finite elements is {}: {} off by {} in the median and {} at "
+             "worst (over {} of the {} with finite elements).",
+             label(best->name), decisive_words(table), percent(of_best.median),
+             percent(of_best.worst), grouped(double(of_best.count)),
+             count_text(double(compared), "row", "rows")) +
+         finding_of_other(table, *best);
 }
 
 /// The ranges over the rows in which the model is usable; over all its answers where it never is.
@@ -344,18 +431,24 @@ Html finding_of_models(const Table& table) {
       ++answered;
       usable += model->valid[row];
     }
-  std::vector<Html> parts;
-  for (const std::size_t i : kInOrderOfInterest) {
+  constexpr std::size_t kMostNamed = 6;
+  std::map<int, Html> parts;  // by interest
+  for (std::size_t i = 0; i < table.quantities.size(); ++i) {
+    const Quantity& quantity = table.quantities[i];
     std::vector<double> values = model->values[i];
     if (usable > 0)
       for (std::size_t row = 0; row < table.rows; ++row)
         if (!model->valid[row]) values[row] = NAN;
     if (const Range range = range_of(values); range.count > 0)
-      parts.push_back(html("{} {}", kQuantities[i].words,
-                           range_text(range.least, range.largest, kQuantities[i].unit)));
+      parts[quantity.interest] =
+          html("{} {}", quantity.words, range_text(range.least, range.largest, quantity.unit));
   }
+  std::vector<Html> named;
+  for (const auto& [interest, words] : parts)
+    if (named.size() < kMostNamed) named.push_back(words);
   return html("By {}, usable ({}) in {} of {}: {}.", label(model->name), table.usable,
-              grouped(double(usable)), count_text(double(answered), "row", "rows"), listed(parts));
+              grouped(double(usable)), count_text(double(answered), "row", "rows"), listed(named)) +
+         finding_of_other(table, *model);
 }
 
 Html loads_text(const Json& sweep) {
@@ -435,7 +528,7 @@ Html ranges_section(const Table& table) {
   Html head =
       "<th scope=\"col\">model</th><th scope=\"col\">rows with an answer</th><th "
       "scope=\"col\">of these usable</th>";
-  for (const Quantity& quantity : kQuantities) head += head_cell(quantity);
+  for (const Quantity& quantity : table.quantities) head += head_cell(quantity);
   Html rows;
   const auto add = [&](const Source& source, bool is_fem) {
     std::size_t answered = 0, valid = 0;
@@ -461,13 +554,13 @@ Html ranges_section(const Table& table) {
 
 Html deviations_table(const Table& table, bool where_valid) {
   Html head = "<th scope=\"col\">model</th><th scope=\"col\">rows compared</th>";
-  for (const Quantity& quantity : kQuantities)
+  for (const Quantity& quantity : table.quantities)
     head += html("<th scope=\"col\">{}</th>", quantity.words);
   Html rows;
   for (const Source& model : table.models) {
     std::size_t compared = 0;
     Html cells;
-    for (std::size_t i = 0; i < kQuantities.size(); ++i) {
+    for (std::size_t i = 0; i < table.quantities.size(); ++i) {
       std::vector<double> errors;
       for (std::size_t row = 0; row < table.rows; ++row)
         if (!where_valid || model.valid[row]) errors.push_back(deviation(table, model, i, row));
@@ -524,7 +617,7 @@ Html rows_section(const Table& table) {
                  variable.unit);
   for (const Source* source : sources) {
     const std::string name = label(source->name);
-    for (const Quantity& quantity : kQuantities) head += head_cell(quantity, name);
+    for (const Quantity& quantity : table.quantities) head += head_cell(quantity, name);
     head += html("<th scope=\"col\">usable<small>{}</small></th>", name);
   }
   if (any_failure) head += "<th scope=\"col\" class=\"words\">failure</th>";
@@ -553,15 +646,19 @@ std::string floats(const std::vector<double>& values) {
 
 Json source_data(const Source& source, const Table& table) {
   Json values = Json::object(), errors = Json::object();
-  for (std::size_t i = 0; i < kQuantities.size(); ++i) {
-    values[kQuantities[i].name] = floats(source.values[i]);
-    if (!source.errors[i].empty()) errors[kQuantities[i].name] = floats(source.errors[i]);
+  for (std::size_t i = 0; i < table.quantities.size(); ++i) {
+    values[table.quantities[i].name] = floats(source.values[i]);
+    if (!source.errors.empty()) errors[table.quantities[i].name] = floats(source.errors[i]);
   }
-  if (!table.friction_coefficient.empty()) {
+  if (!table.friction_coefficient.empty() && values.contains("max_torque")) {
+    const auto torque = std::size_t(
+        std::find_if(table.quantities.begin(), table.quantities.end(),
+                     [](const Quantity& q) { return q.name == std::string_view("max_torque"); }) -
+        table.quantities.begin());
     std::vector<double> eccentricities_mm(table.rows);
     for (std::size_t row = 0; row < table.rows; ++row)
       eccentricities_mm[row] =
-          source.values[kTorque][row] / (table.friction_coefficient[row] * table.loads_N[row]);
+          source.values[torque][row] / (table.friction_coefficient[row] * table.loads_N[row]);
     values["eccentricity"] = floats(eccentricities_mm);
     if (errors.contains("max_torque")) errors["eccentricity"] = errors["max_torque"];
   }
@@ -581,7 +678,7 @@ Json sweep_chart_data(const Json& sweep, const Table& table) {
                          {"unit", variable.unit},
                          {"log", variable.log},
                          {"values", floats(variable.values)}});
-  for (const Quantity& quantity : kQuantities)
+  for (const Quantity& quantity : table.quantities)
     quantities.push_back(
         {{"name", quantity.name}, {"label", quantity.words}, {"unit", quantity.unit}});
   if (!table.friction_coefficient.empty())

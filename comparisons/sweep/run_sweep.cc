@@ -18,14 +18,12 @@
 #include <thread>
 
 #include "comparisons/input/mesh_file.h"
-#include "comparisons/prediction/local_geometry.h"
 #include "comparisons/report/sweep_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/progress.h"
 #include "comparisons/text/json_text.h"
 #include "meshes/io/input_files.h"
-#include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/input/hash.h"
 
@@ -157,7 +155,7 @@ struct LeadingModel {
 /// answer it. If it is not among the sweep's or is usable nowhere, the one that is usable in the
 /// most rows.
 LeadingModel leading_model(const SweepPlan& plan) {
-  std::vector<LeadingModel> leads(plan.models.size());
+  std::vector<LeadingModel> leads(plan.contact->models().size());
   std::vector<std::size_t> torques(leads.size()), words(leads.size());
   std::ifstream file(plan.output / "results.csv");
   std::string line;
@@ -174,7 +172,7 @@ LeadingModel leading_model(const SweepPlan& plan) {
   std::vector<std::string_view> cells;
   split(line, cells);
   for (std::size_t i = 0; i < leads.size(); ++i) {
-    leads[i].name = plan.models[i]->card().name;
+    leads[i].name = plan.contact->models()[i]->name;
     const auto column = [&](const char* name) {
       return std::size_t(std::find(cells.begin(), cells.end(), leads[i].name + name) -
                          cells.begin());
@@ -192,16 +190,7 @@ LeadingModel leading_model(const SweepPlan& plan) {
       leads[i].largest_torque_Nm = std::max(leads[i].largest_torque_Nm, torque_Nm);
     }
   }
-  std::string recommended;
-  try {
-    const input::Case& base = plan.sweep.base();
-    const double load_N = base.loads_N.front();
-    recommended =
-        default_model(prediction::contact_problem(base, plan.geometry.resolve(load_N), load_N))
-            .card()
-            .name;
-  } catch (const InputError&) {  // the swept values can mend a case that has no contact itself
-  }
+  const std::string recommended = plan.contact->recommended();
   const auto rank = [&](const LeadingModel& lead) {
     return lead.usable > 0 && lead.name == recommended ? SIZE_MAX : lead.usable;
   };
@@ -256,8 +245,8 @@ void write_page(const SweepPlan& plan, const LeadingModel& lead, const std::stri
                     {"largest", *largest},
                     {"log", swept.log_spacing}});
   }
-  for (const PressureModel* model : plan.models)
-    models.push_back({{"name", model->card().name}, {"title", model->card().title}});
+  for (const ModelCard* model : plan.contact->models())
+    models.push_back({{"name", model->name}, {"title", model->title}});
   json page = sample_of(plan.output / "results.csv", plan.sweep.rows());
   page.update({{"id", base.id},
                {"question", base.question},
@@ -282,16 +271,8 @@ void write_page(const SweepPlan& plan, const LeadingModel& lead, const std::stri
 int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& file,
                      system::Progress& progress, std::vector<std::string>& failures) {
   const SweepFemJobs& fem = plan.fem;
-  failures.resize(fem.jobs.size());
-  std::vector<char> finished(fem.jobs.size(), 0);
-  const auto index_of = [&](const reference::FemJob& job) {
-    return std::size_t(&job - fem.jobs.data());
-  };
-  const std::vector<const reference::FemJob*> pending = reference::pending_fem_jobs(
-      fem.jobs, fem.settings, progress,
-      [&](const reference::FemJob& job, const reference::ReferenceResult&) {
-        finished[index_of(job)] = 1;
-      });
+  failures.resize(fem.count());
+  std::vector<char> finished(fem.count(), 0);
   SweepRows rows = plan.rows();
   const std::size_t loads = plan.sweep.base().loads_N.size();
   const auto append_what_is_whole = [&] {
@@ -304,6 +285,27 @@ int run_fem_and_rows(const SweepPlan& plan, SweepWorkers& workers, RowsFile& fil
       file.append(text, 1);
     }
   };
+  append_what_is_whole();
+  if (!fem.pads.empty()) {
+    reference::FemJobOptions settings = fem.settings;
+    settings.parallel = workers.parallel();
+    return reference::run_pad_jobs(
+        fem.pads, settings, progress,
+        [&](const reference::PadJob& job, const reference::PadSolution& solution) {
+          const auto index = std::size_t(&job - fem.pads.data());
+          finished[index] = 1;
+          failures[index] = solution.failure;
+          append_what_is_whole();
+        });
+  }
+  const auto index_of = [&](const reference::FemJob& job) {
+    return std::size_t(&job - fem.jobs.data());
+  };
+  const std::vector<const reference::FemJob*> pending = reference::pending_fem_jobs(
+      fem.jobs, fem.settings, progress,
+      [&](const reference::FemJob& job, const reference::ReferenceResult&) {
+        finished[index_of(job)] = 1;
+      });
   append_what_is_whole();
   reference::FemJobProgress shown(progress, fem.jobs.size(), pending, workers.parallel());
   const int signal = workers.run_fem(
@@ -325,9 +327,10 @@ SweepPlan::SweepPlan(const std::string& sweep_text, const fs::path& sweep_file,
     : file(sweep_file),
       output(output_folder),
       sweep(sweep_text, file, settings),
-      models(sweep_models(sweep)),
       demand(demanded),
-      geometry(sweep.base()) {
+      contact(std::holds_alternative<input::PadPair>(sweep.base().geometry)
+                  ? swept_pad(sweep, demand)
+                  : swept_bodies(sweep, demand)) {
   if (!sweep.fem()) return;
   const fs::path program = system::fem_program();
   SweepRows some_rows = rows();
@@ -429,7 +432,7 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
               bool as_json) {
   const system::OutputFolder folder(plan.output);
   system::Progress progress;
-  for (const auto& remarks : {plan.sweep.base().remarks, plan.geometry.remarks()})
+  for (const auto& remarks : {plan.sweep.base().remarks, plan.contact->remarks()})
     for (const std::string& remark : remarks) progress.say("softfinger: " + remark);
   const std::string header = plan.rows().header();
   json identity = identity_of(plan, header);
@@ -501,7 +504,7 @@ int run_sweep(const SweepPlan& plan, SweepWorkers& workers, const std::string& c
     progress.say(
         fmt::format("softfinger: {} of {} finite-element results are missing; the same "
                     "command tries them again",
-                    failed, plan.fem.jobs.size()));
+                    failed, plan.fem.count()));
   return answer(plan, lead, failed, as_json);
 }
 

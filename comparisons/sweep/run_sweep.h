@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,13 +21,12 @@ struct SweepPlan {
             const input::Settings& settings = {}, const prediction::Demand& demand = {});
 
   /// Makes rows; one for each thread.
-  SweepRows rows() const { return SweepRows(sweep, models, geometry, demand); }
+  SweepRows rows() const { return SweepRows(sweep, *contact); }
 
   std::filesystem::path file, output;
   Sweep sweep;
-  std::vector<const PressureModel*> models;
   prediction::Demand demand;  ///< decides the columns `..._usable`
-  prediction::GeometryResolver geometry;
+  std::unique_ptr<const SweptContact> contact;
   SweepFemJobs fem;  ///< empty without finite elements
 };
 
@@ -39,7 +39,7 @@ class SweepWorkers {
   /// Number of jobs that run side by side.
   virtual int parallel() const = 0;
 
-  /// Runs finite-element jobs and writes each result to the job's file.
+  /// Runs finite-element jobs of curved bodies and writes each result to the job's file.
   /// @param on_finished  called on the calling thread with the job, the reason of a failure (else
   /// empty) and a line about its accuracy
   /// @returns 0, or the signal that interrupted

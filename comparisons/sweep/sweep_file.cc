@@ -239,7 +239,6 @@ Sweep::Sweep(const std::string& typed_text, const fs::path& path, const input::S
   const toml::table sweep = std::move(*root["sweep"].as_table());
   root.erase("sweep");
   base_ = input::case_of(root, text, path);
-  refuse_pad(base_, "softfinger sweep");
   input::require_coulomb(base_, "sweep");
 
   const std::vector<Entry> entries = entries_in_order(sweep);

@@ -1,38 +1,20 @@
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "comparisons/prediction/local_geometry.h"
-#include "comparisons/prediction/quantity.h"
-#include "comparisons/reference/fem_jobs.h"
 #include "comparisons/sweep/sweep_file.h"
-#include "softfinger/pressure/pressure_model.h"
+#include "comparisons/sweep/swept_contact.h"
 
 /// The rows of results.csv: one per point of the sweep and load, SI units in the columns' names.
 namespace softfinger::sweep {
 
-/// The models of a sweep: those that it names, else all that take microseconds. Without names,
-/// `power_law` is left out if the case gives no law, and models of finite strain if the case is
-/// linear.
-/// @throws InputError for an unknown name
-std::vector<const PressureModel*> sweep_models(const Sweep& sweep);
-
-/// The finite-element jobs of a sweep. Rows of the same problem share one.
-struct SweepFemJobs {
-  std::vector<reference::FemJob> jobs;
-  std::vector<long> job_of_row;  ///< -1: the bodies of that row do not touch
-  reference::FemJobOptions settings;
-};
-
-/// Makes rows. Each thread has its own; the meshes are shared between them.
+/// Makes rows. Each thread has its own; the contact is shared between them.
 class SweepRows {
  public:
-  /// @param geometry  of `sweep.base()`, with the meshes that have been read
-  /// @param demand    what an answer has to meet to be usable
-  SweepRows(const Sweep& sweep, const std::vector<const PressureModel*>& models,
-            const prediction::GeometryResolver& geometry, const prediction::Demand& demand);
+  SweepRows(const Sweep& sweep, const SweptContact& contact);
 
   /// "point,layer.thickness_mm,...,load_N,radius_major_m,...", with a line break at the end.
   std::string header() const;
@@ -46,12 +28,8 @@ class SweepRows {
     append(point, &fem, failures, text);
   }
 
-  struct FemRequest {
-    reference::FemProblem problem;
-    double weight = 0;  ///< a rough estimate of the cost
-  };
   /// Requests to the finite elements for the case's full reference, one per load; none where the
-  /// bodies make no contact.
+  /// bodies make no contact, and where the elements would refuse it.
   std::vector<std::optional<FemRequest>> fem_requests(std::size_t point);
 
  private:
@@ -59,9 +37,7 @@ class SweepRows {
               std::string& text);
 
   const Sweep& sweep_;
-  std::vector<const PressureModel*> models_;
-  const prediction::GeometryResolver& geometry_;
-  prediction::Demand demand_;
+  const SweptContact& contact_;
   Sweep::Cases cases_;
   std::vector<double> values_;
 };

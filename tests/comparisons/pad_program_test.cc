@@ -5,11 +5,35 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/comparisons/run_program.h"
 
 namespace softfinger::tests {
 using nlohmann::json;
+
+/// Rows of a sweep by the names of their columns; no cell but the last one of a row holds a comma.
+class Table {
+ public:
+  explicit Table(const std::string& text) {
+    for (const std::string& line : lines(text)) {
+      std::istringstream cells(line + ",");
+      rows_.emplace_back();
+      for (std::string cell; std::getline(cells, cell, ',');) rows_.back().push_back(cell);
+    }
+  }
+  std::size_t count() const { return rows_.size() - 1; }
+  std::string cell(std::size_t row, const std::string& column) const {
+    const auto place = std::find(rows_[0].begin(), rows_[0].end(), column) - rows_[0].begin();
+    return rows_[row + 1].at(std::size_t(place));
+  }
+  double number(std::size_t row, const std::string& column) const {
+    return std::stod(cell(row, column));
+  }
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
 
 class FlatPad : public testing::Test {
  protected:
@@ -37,6 +61,7 @@ class FlatPad : public testing::Test {
     EXPECT_EQ(run.status, 0) << run.err;
     return json::parse(run.out)["results"];
   }
+  Table rows_of(const std::string& file) const { return Table(file_text(folder.path() / file)); }
   json exported(const std::string& simulator) {
     const ProgramRun run =
         run_softfinger(start, {"export", "pad.toml", "--to", simulator, "--json"});
@@ -256,13 +281,92 @@ TEST_F(FlatPad, SaysThatAPadThickerThanWideHasNoBound) {
 
 TEST_F(FlatPad, IsRefusedByNameWhereACommandCannotTakeIt) {
   folder.write("pad.toml", pad_text());
-  folder.write("sweep.toml", pad_text() + "[sweep]\n\"layer.thickness_mm\" = [1, 2]\n");
   folder.write("data.csv", "load_N,indentation_mm\n1,0.1\n2,0.2\n");
-  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
-           {"calibrate", "data.csv", "pad.toml"}, {"sweep", "sweep.toml", "--output", "there"}}) {
-    const ProgramRun run = run_softfinger(start, command);
-    expect_refusal(run, "softfinger " + command[0] + " does not take flat pads yet");
+  expect_refusal(run_softfinger(start, {"calibrate", "data.csv", "pad.toml"}),
+                 "softfinger calibrate does not take flat pads yet");
+}
+
+TEST_F(FlatPad, IsSweptWithTheNumbersOfPredict) {
+  folder.write("sweep.toml", pad_text() +
+                                 "[sweep]\n\"layer.thickness_mm\" = [1, 3, 6]\n"
+                                 "\"geometry.finger.pad_mm[0]\" = [15, 22]\n"
+                                 "\"contact.load_N\" = [5, 20]\n");
+  const std::vector<std::string> command = {"sweep", "sweep.toml", "--output", "there"};
+  const ProgramRun run = run_softfinger(start, command);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.out.rfind("my_pad: torque ", 0), 0u) << run.out;
+  EXPECT_NE(lines(run.out)[0].find("by pad_layer, usable (within 10 %) in 12 of 12 rows"),
+            std::string::npos)
+      << run.out;
+  const Table rows = rows_of("there/results.csv");
+  ASSERT_EQ(rows.count(), 12u);
+  // The eighth point: 3 mm, 22 mm, 20 N, as the case has it.
+  const json known = answers(pad_text());
+  for (const json& model : known)
+    for (const char* key : {"indentation_m", "normal_stiffness_N_per_m", "peak_pressure_Pa",
+                            "pressure_arm_m", "eccentricity_m", "max_torque_Nm"})
+      EXPECT_NEAR(
+          rows.number(7, model["model"].get<std::string>() + "_" + key) / model[key].get<double>(),
+          1, 1e-9)
+          << key;
+  for (const auto& [axis, column] : {std::pair(0, "x"), std::pair(1, "y")}) {
+    EXPECT_NEAR(rows.number(7, std::string("pad_layer_tilt_limit_") + column + "_Nm") /
+                    known[0]["tilt_limit_Nm"][axis].get<double>(),
+                1, 1e-9);
+    EXPECT_NEAR(rows.number(7, std::string("pad_layer_tilt_stiffness_") + column + "_Nm_per_rad") /
+                    known[0]["tilt_stiffness_Nm_per_rad"][axis].get<double>(),
+                1, 1e-9);
   }
+  EXPECT_NEAR(rows.number(7, "area_m2"), 22e-3 * 37.5e-3, 1e-12);
+  EXPECT_EQ(rows.cell(7, "pad_uniform_usable"), "no");
+  const std::string page = file_text(folder.path() / "there/sweep.html");
+  EXPECT_NE(page.find("By Pad layer, usable (within 10"), std::string::npos);
+  EXPECT_NE(page.find("’s torque is up to "), std::string::npos);
+  const ProgramRun again = run_softfinger(start, command);
+  EXPECT_NE(again.err.find("is finished: reused"), std::string::npos) << again.err;
+  EXPECT_EQ(again.out, run.out);
+}
+
+TEST_F(FlatPad, SaysInTheRowOfASweepWhereTheRimLiftsOff) {
+  folder.write("sweep.toml",
+               pad_text("{ pad_mm = [22, 37.5] }", "{ flat = true }", "load_at_mm = [0, 0]\n") +
+                   "[sweep]\n\"contact.load_at_mm[0]\" = [0, 1, 8]\n");
+  const ProgramRun run = run_softfinger(start, {"sweep", "sweep.toml", "--output", "there"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Table rows = rows_of("there/results.csv");
+  ASSERT_EQ(rows.count(), 3u);
+  EXPECT_EQ(rows.cell(1, "failure"), "");
+  EXPECT_LT(rows.number(1, "pad_layer_max_torque_Nm"), rows.number(0, "pad_layer_max_torque_Nm"));
+  EXPECT_EQ(rows.cell(2, "pad_layer_max_torque_Nm"), "");
+  EXPECT_NE(file_text(folder.path() / "there/results.csv").find("the pad's rim lifts off"),
+            std::string::npos);
+}
+
+TEST_F(FlatPad, IsSweptBesideItsElements) {
+  folder.write("sweep.toml", pad_text("{ pad_diameter_mm = 20 }") +
+                                 "[sweep]\n\"layer.thickness_mm\" = [2, 3]\nfem = true\n");
+  const std::vector<std::string> command = {"sweep", "sweep.toml", "--output", "there"};
+  const ProgramRun run = run_softfinger(start, command);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Table rows = rows_of("there/results.csv");
+  ASSERT_EQ(rows.count(), 2u);
+  for (std::size_t row = 0; row < 2; ++row) {
+    EXPECT_EQ(rows.cell(row, "failure"), "");
+    // The fake elements are those of uniform pressure.
+    EXPECT_NEAR(
+        rows.number(row, "fem_max_torque_Nm") / rows.number(row, "pad_uniform_max_torque_Nm"), 1,
+        2e-3);
+  }
+  EXPECT_NE(file_text(folder.path() / "there/sweep.html").find("Closest to the finite elements is"),
+            std::string::npos);
+  EXPECT_NE(run_softfinger(start, command).err.find("[2/2] my_pad point 1: reused"),
+            std::string::npos);
+  start.environment.emplace_back("FAKE_FEM_CRASH_N=20");
+  const ProgramRun failed = run_softfinger(start, {"sweep", "sweep.toml", "--output", "failing"});
+  EXPECT_EQ(failed.status, 1) << failed.err;
+  EXPECT_NE(failed.err.find("2 of 2 finite-element results are missing"), std::string::npos);
+  EXPECT_NE(rows_of("failing/results.csv").cell(0, "failure").find("killed by signal"),
+            std::string::npos);
 }
 
 /// The fake elements of a disc are those of uniform pressure.

@@ -15,6 +15,14 @@ int main(int argc, char** argv) try {
   write_framed(argv[1], "explorer",
                softfinger::report::explorer_page("softfinger 0.0.0", "softfinger explore"),
                "explorer_reader.js");
+  softfinger::report::PadStart start;
+  start.case_name = "pad.toml";
+  start.pair.finger.figure = softfinger::input::RectangleFigure{22e-3, 37.5e-3, 1e-3};
+  start.layer = {3e-3, 800e3, 0.49};
+  start.load = {20, 0.9};
+  write_framed(argv[1], "pads",
+               softfinger::report::explorer_page("softfinger 0.0.0", "softfinger explore", start),
+               "explorer_pads_reader.js");
   return 0;
 } catch (const std::exception& error) {
   std::cerr << "write_explorer: " << error.what() << '\n';

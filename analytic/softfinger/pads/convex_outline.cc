@@ -8,6 +8,7 @@
 
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pads/outline_refusal.h"
 
 namespace softfinger {
 namespace {
@@ -106,9 +107,8 @@ ConvexOutline::ConvexOutline(std::vector<Vector2d> counter_clockwise_m)
 ConvexOutline ConvexOutline::polygon(std::vector<Vector2d> vertices_m) {
   const char* const convex = "a convex outline of at least three points, in order around it";
   for (const Vector2d& vertex : vertices_m)
-    if (!vertex.allFinite()) throw InputError("outline", "points", "not finite", convex);
-  if (vertices_m.size() < 3)
-    throw InputError("outline", "points", std::to_string(vertices_m.size()), convex);
+    if (!vertex.allFinite()) refuse_outline("points", "not finite", convex);
+  if (vertices_m.size() < 3) refuse_outline("points", std::to_string(vertices_m.size()), convex);
   const double size = extent_of(vertices_m);
   std::vector<Vector2d> corners = without_idle_vertices(vertices_m, size);
   double twice_area = 0, turned = 0;
@@ -122,14 +122,12 @@ ConvexOutline ConvexOutline::polygon(std::vector<Vector2d> vertices_m) {
     turned += turn;
     (turn > 0 ? left : right) += 1;
   }
-  if (corners.size() < 3) throw InputError("outline", "points", "a line without an area", convex);
+  if (corners.size() < 3) refuse_outline("points", "a line without an area", convex);
   if (left > 0 && right > 0)
-    throw InputError("outline", "points", "an outline that crosses itself or has a hollow corner",
-                     convex);
-  if (!(std::abs(twice_area) > 1e-12 * size * size))
-    throw InputError("outline", "points", "no area", convex);
+    refuse_outline("points", "an outline that crosses itself or has a hollow corner", convex);
+  if (!(std::abs(twice_area) > 1e-12 * size * size)) refuse_outline("points", "no area", convex);
   if (std::abs(std::abs(turned) - 2 * kPi) > 1e-6)
-    throw InputError("outline", "points", "an outline that runs around more than once", convex);
+    refuse_outline("points", "an outline that runs around more than once", convex);
   if (twice_area < 0) std::reverse(corners.begin(), corners.end());
   return ConvexOutline(std::move(corners));
 }
@@ -150,10 +148,11 @@ ConvexOutline ConvexOutline::rounded_rectangle(double length_m, double width_m,
                                                double corner_radius_m) {
   const double most = std::min(length_m, width_m) / 2;
   if (!(length_m > 0) || !(width_m > 0) || !std::isfinite(length_m) || !std::isfinite(width_m))
-    throw InputError("outline", "sides", std::min(length_m, width_m), "finite numbers > 0");
+    refuse_outline("sides", internal::number_text(std::min(length_m, width_m), 6),
+                   "finite numbers > 0");
   if (!(corner_radius_m >= 0) || corner_radius_m > most)
-    throw InputError("outline", "corner radius", corner_radius_m,
-                     "0 to half of the shorter side, " + internal::number_text(most, 6));
+    refuse_outline("corner radius", internal::number_text(corner_radius_m, 6),
+                   "0 to half of the shorter side, " + internal::number_text(most, 6));
   const double x = length_m / 2 - corner_radius_m, y = width_m / 2 - corner_radius_m;
   std::vector<Vector2d> vertices;
   const double step = kPi / 2 / kChordsOfCorner;

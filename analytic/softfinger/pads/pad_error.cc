@@ -1,5 +1,6 @@
 #include "softfinger/pads/pad_error.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "softfinger/input/constants.h"
@@ -67,6 +68,10 @@ std::optional<PadErrors> pad_error_bound(const PadModel& model,
   add(bound.tilt_stiffness, other.tilt_stiffness_Nm_per_rad[0],
       reference.tilt_stiffness_Nm_per_rad[0]);
   return bound;
+}
+
+double friction_that_sticks(double poisson_ratio) noexcept {
+  return std::max(0.2, 0.33 + 2.85 * (poisson_ratio - 0.3));
 }
 
 }  // namespace softfinger

@@ -1,9 +1,14 @@
 // Functions that the page's script calls. Numbers go through memory, words come back as JSON.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include "comparisons/explorer/explorer.h"
+#include "comparisons/explorer/pad_explorer.h"
+#include "softfinger/pads/outline_refusal.h"
 
 namespace {
 
@@ -25,7 +30,56 @@ softfinger::explorer::Question typed(const double* values) {
 
 double numbers[13];
 
+constexpr std::size_t kPadNumbers = 15, kMostCorners = 400;
+double pad_numbers[kPadNumbers + 2 * kMostCorners];
+
+softfinger::ConvexOutline typed_outline(const double* values) {
+  using softfinger::ConvexOutline;
+  if (values[0] == 1) return ConvexOutline::disc(values[4]);
+  if (values[0] == 0)
+    return ConvexOutline::rounded_rectangle(
+        values[1], values[2], std::min(values[3], std::min(values[1], values[2]) / 2));
+  std::vector<Eigen::Vector2d> corners;
+  for (std::size_t i = 0; i < std::size_t(values[14]); ++i)
+    corners.emplace_back(values[kPadNumbers + 2 * i], values[kPadNumbers + 2 * i + 1]);
+  return ConvexOutline::polygon(corners);
+}
+
+/// Solved again only where the outline has changed: it takes longer than all else.
+const softfinger::PadShape& typed_shape() {
+  static std::unique_ptr<const softfinger::PadShape> shape;
+  static std::vector<double> solved;
+  std::vector<double> asked(pad_numbers, pad_numbers + 5);
+  asked.insert(asked.end(), pad_numbers + kPadNumbers - 1,
+               pad_numbers + kPadNumbers + 2 * std::size_t(pad_numbers[14]));
+  if (asked != solved) {
+    shape = std::make_unique<const softfinger::PadShape>(typed_outline(pad_numbers));
+    solved = asked;
+  }
+  return *shape;
+}
+
+softfinger::explorer::PadQuestion typed_pad() {
+  const double* values = pad_numbers;
+  softfinger::explorer::PadQuestion question;
+  question.problem = {
+      &typed_shape(),
+      {values[5], values[6], values[7]},
+      {values[8], values[9]},
+      values[10] == 0 ? softfinger::PadPressing::stuck : softfinger::PadPressing::frictionless,
+      {}};
+  question.tolerance = values[11];
+  question.shown = int(values[12]);
+  question.is_covered = values[13] != 0;
+  return question;
+}
+
 }  // namespace
+
+/// Never reached: the script keeps to outlines that exist.
+void softfinger::refuse_outline(const char*, const std::string&, const std::string&) {
+  __builtin_trap();
+}
 
 extern "C" {
 
@@ -49,5 +103,17 @@ __attribute__((export_name("repeat"))) double repeat(int model, int calls) {
   for (int i = 0; i < calls; ++i)
     sum += softfinger::explorer::models()[std::size_t(model)]->predict(problem).a_m;
   return sum;
+}
+
+/// Buffer for a flat pad: 0 a rectangle, 1 a disc, 2 corners; length, width, radius of the corners,
+/// diameter, h, E, nu, P, mu (SI); 0 stuck, 1 without friction; tolerance, the shown model's place,
+/// 0 for a pad that its object does not cover, the number of corners, then x and y of each.
+__attribute__((export_name("pad_question"))) double* pad_question() { return pad_numbers; }
+
+/// `softfinger::explorer::pad_answer`, ended by a zero.
+__attribute__((export_name("pad_answer"))) const char* pad_answer() {
+  static std::string text;
+  text = softfinger::explorer::pad_answer(typed_pad());
+  return text.c_str();
 }
 }
