@@ -26,6 +26,8 @@ struct PadAnswer {
   bool usable = false;  ///< the demanded quantities of a pad are within the tolerance
   double cost_ns = 0;
 
+  /// What touches: the pad's contact, or under a cylinder the rectangle of length and 2 b.
+  ConvexOutline contact() const;
   FrictionEllipsoid friction_ellipsoid() const {
     return {problem.load.friction_coefficient * problem.load.normal_force_N,
             prediction.eccentricity_m};
@@ -35,9 +37,11 @@ struct PadAnswer {
   double bound_of(Quantity quantity) const;
 };
 
-/// "all" or "everything" (both), or names separated by commas.
+/// "all" or "everything", or names separated by commas: of the models of flat faces, or under a
+/// cylinder of the one of lines.
 /// @throws InputError that names the pads' models for another name
-std::vector<const PadModel*> pad_models_by_name(const std::string& names);
+std::vector<const PadModel*> pad_models_by_name(const std::string& names,
+                                                bool under_cylinder = false);
 
 /// @param shape     of the case's contact; outlives the answer
 /// @param budget_ns  time for repeated calls that measure the cost

@@ -31,10 +31,10 @@ struct LineTable {
   static const double coefficients[kSofts * kWidths * kLineQuantities];
 };
 
-/// Smooth blend of the exact limits: Hertz's line, b² = 4 P' R/(pi E*); the thin compressible layer,
-/// P' = 2 M b³/(3 R h), M = E (1 - nu)/((1 + nu) (1 - 2 nu)); and the thin incompressible one,
-/// p = E* (b² - x²)²/(32 h³ R), P' = E* b⁵/(30 h³ R) (K. L. Johnson, Contact Mechanics, sections
-/// 4.2 and 5.8).
+/// Smooth blend of the exact limits: Hertz's line, b² = 4 P' R/(pi E*); the thin compressible
+/// layer, P' = 2 M b³/(3 R h), M = E (1 - nu)/((1 + nu) (1 - 2 nu)); and the thin incompressible
+/// one, p = E* (b² - x²)²/(32 h³ R), P' = E* b⁵/(30 h³ R) (K. L. Johnson, Contact Mechanics,
+/// sections 4.2 and 5.8).
 /// @param log_load  ln(P' R/(E* h²))
 /// @param compressibility  1 - 2 nu in [0, 1]
 template <class Real>
@@ -101,8 +101,7 @@ LineQuantities<Dual<N>> line_correction(const Dual<N>& log_width,
   for (std::size_t q = 0; q < kLineQuantities; ++q) {
     result[q].value = value[q];
     for (std::size_t i = 0; i < N; ++i)
-      result[q].slope[i] =
-          by_width[q] * log_width.slope[i] + by_softness[q] * softness.slope[i];
+      result[q].slope[i] = by_width[q] * log_width.slope[i] + by_softness[q] * softness.slope[i];
   }
   return result;
 }
@@ -113,8 +112,8 @@ template <int N>
 LineQuantities<Dual<N>> line_logarithms(const Dual<N>& log_load,
                                         const Dual<N>& compressibility) noexcept {
   LineQuantities<Dual<N>> result = line_blend(log_load, compressibility);
-  const Dual<N> inside = smaller(larger(result[kWidth], LineTable::kLogWidthMin),
-                                 LineTable::kLogWidthMax);
+  const Dual<N> inside =
+      smaller(larger(result[kWidth], LineTable::kLogWidthMin), LineTable::kLogWidthMax);
   const TableCoordinatesOf<Dual<N>> at =
       table_coordinates<Dual<N>>(inside, compressibility, Dual<N>());
   const LineQuantities<Dual<N>> correction = line_correction(inside, at.compressibility);
