@@ -11,7 +11,7 @@
 #include <cstdlib>
 #include <exception>
 #include <fstream>
-#include <string>
+#include <stdexcept>
 #include <vector>
 
 #include "softfinger/layer/line_contact.h"
@@ -48,6 +48,7 @@ LineQuantities<double> correction(double log_width, double softness) {
   const LineContact exact = line_contact_at_load(
       std::exp(log_load), 1, 1, LayerKernel(LayerKernel::Compressibility{compressibility}));
   const double b = exact.half_width_m;
+  if (!(b > 0)) throw std::domain_error("a node of the table is too wide to be solved");
   return {std::log(b) - blend[kWidth], std::log(exact.indentation_m / (b * b)) - blend[kApproach],
           std::log(exact.peak_over_modulus * b / exact.load_over_modulus_m) - blend[kCrest],
           std::log(exact.mean_square_over_square) - blend[kSpread]};

@@ -50,7 +50,7 @@ std::string limit_words(const std::optional<double>& limit_Nm) {
   return limit_Nm ? fmt::format("{:.4g}", 1e3 * *limit_Nm) : std::string("?");
 }
 
-/// How far the closed form is off.
+/// Errors of the closed form.
 std::string model_text(const PadElements& pad, const PadAnswer& model) {
   const PadPrediction& p = model.prediction;
   if (!p.has_answer || pad.lifted_share > 0) return "";

@@ -191,7 +191,7 @@ void read_roller(const TomlReader& reader, const toml::table& geometry, const to
       side_of(reader, length, "finger.length_mm",
               reader.number(length, "finger.length_mm", "the length of the line > 0, in mm"));
   pair.is_roller = true;
-  // Its contact ends far from the sides of such a pad.
+  // A contact stays far from the sides of such a pad.
   pair.finger.figure = RectangleFigure{length_m, 2 * radius_m, 0};
   const toml::node& node = reader.required(geometry, "[geometry]", "object");
   const toml::table* object = node.as_table();

@@ -13,7 +13,7 @@ namespace {
 
 /// Thicknesses between the ellipse and the pad's side walls from which on they change d and the arm
 /// by less than 1 %, by finite elements (fem/pad/README.md).
-constexpr double kFromWalls = 2;
+constexpr double kFromWalls = 3;
 
 }  // namespace
 

@@ -222,7 +222,7 @@ nlohmann::json to_json(const PadAnswer& answer, int limit_surface_points) {
   const auto number = [&](double value) {
     return p.has_answer ? text::finite_or_null(value) : nlohmann::json();
   };
-  // What a line's model does not state is left at zero.
+  // A line's model leaves at zero those numbers that it does not state.
   const auto of_pad = [&](double value) {
     return is_line && value == 0 ? nlohmann::json() : number(value);
   };

@@ -26,7 +26,7 @@ struct PadAnswer {
   bool usable = false;  ///< the demanded quantities of a pad are within the tolerance
   double cost_ns = 0;
 
-  /// What touches: the pad's contact, or under a cylinder the rectangle of length and 2 b.
+  /// The pad's contact; under a cylinder the rectangle of its length and 2 b.
   ConvexOutline contact() const;
   FrictionEllipsoid friction_ellipsoid() const {
     return {problem.load.friction_coefficient * problem.load.normal_force_N,

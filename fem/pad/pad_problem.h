@@ -38,7 +38,8 @@ enum class PadPressing {
 };
 
 /// A flat pad: a block of rubber bonded to a rigid backing, its side walls free, pressed by a rigid
-/// flat face, or by a curved object that does not turn. The origin is that of the outline's coordinates; a disc or rectangle lies about it.
+/// flat face, or by a curved object that does not turn. The origin is that of the outline's
+/// coordinates; a disc or rectangle lies about it.
 struct PadProblem {
   std::string name = "pad";
   FlatShape outline;

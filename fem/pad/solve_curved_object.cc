@@ -117,8 +117,8 @@ class CurvedSolver {
   /// Mean of the pressure around a node, by its shape function.
   double pressure(Index node) const { return contact_.force[node] / weight_[node]; }
 
-  /// How far the contact reaches from the middle along an axis, on the line through the middle:
-  /// where the square of the pressure, which is smooth up to there, is zero.
+  /// Distance that the contact reaches from the middle along an axis, on the line through the
+  /// middle: where the square of the pressure, which is smooth up to there, is zero.
   double reach(Index axis) const {
     const Index other = 1 - axis;
     double nearest = kInfinity;

@@ -259,7 +259,7 @@ TEST(CurvedObject, ASphereFarFromTheWallsIsThatOfALayerWithoutAnEnd) {
   EXPECT_NEAR(result.finest.normal_stiffness_N_per_m / 11.976, 1, 1e-2);
   EXPECT_NEAR(result.finest.peak_pressure_Pa / 0.335078, 1, 1e-2);
   EXPECT_NEAR(load_of(result.pressure), 1, 1e-9);
-  // What it states covers what it is off by.
+  // The stated errors cover the actual ones.
   EXPECT_LT(std::abs(result.finest.indentation_m / 0.174668 - 1), result.error.indentation);
   EXPECT_LT(std::abs(result.finest.pressure_arm_m / 0.718653 - 1), result.error.pressure_arm);
 }

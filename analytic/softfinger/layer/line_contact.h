@@ -38,8 +38,8 @@ struct LineContact {
 LineContact line_contact(double half_width_m, double radius_m, double thickness_m,
                          const LayerKernel& kernel, int terms = 0);
 
-/// Solves for the half-width at a given P'/E*, met to a relative 1e-12.
-/// @throws std::domain_error beyond 80 thicknesses
+/// Solves for the half-width at a given P'/E*, met to a relative 1e-12; half_width_m = 0 where it
+/// would exceed 80 thicknesses.
 LineContact line_contact_at_load(double load_over_modulus_m, double radius_m, double thickness_m,
                                  const LayerKernel& kernel);
 

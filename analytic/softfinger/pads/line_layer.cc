@@ -15,7 +15,7 @@ using Load = Dual<1>;  ///< with its derivative by the load
 /// Ranges that the ends were fitted in: b/h, and length over h + b.
 constexpr double kWidestFitted = 7, kShortestLine = 2.5;
 /// Thicknesses between the contact and a side wall along it, by finite elements with nearer ones.
-constexpr double kLeastWallDistance = 2;
+constexpr double kLeastWallDistance = 3;
 
 /// The length that a free end takes from a line, in thicknesses, by the load that is missing there:
 /// P = P' (L - 2 c). At nu = 0 plane strain is plane stress, and nothing is missing. A thin
@@ -33,7 +33,7 @@ double missing_at_end(double poisson_ratio, double half_width, double length) no
   return std::pow(std::pow(of_layer, -kPower) + std::pow(of_width, -kPower), -1 / kPower);
 }
 
-/// How deep inside of an end its missing load lies, in thicknesses: the centroid of it.
+/// Depth of an end's missing load inside of it, in thicknesses: the centroid.
 struct EndDepth {
   double least, per_missing, shortening;
   double operator()(double missing, double length) const noexcept {
@@ -42,7 +42,7 @@ struct EndDepth {
 };
 constexpr EndDepth kDepthOfLoad{0.72296, 1.59979, 3.21045};
 constexpr EndDepth kDepthOfStiffness{0.27933, 0.52048, 0.95573};
-/// Stiffness that is missing at an end over load that is.
+/// Missing stiffness at an end over missing load.
 constexpr double kMissingStiffness = 1.0298;
 
 /// The contact in the middle of the line.
@@ -121,7 +121,7 @@ struct LineWithEnds {
   LineWithEnds(const PadProblem& problem, double load_N) noexcept {
     const double length_m = problem.shape->outline().extent_m().x(), h = problem.layer.thickness_m;
     const double length = length_m / h, nu = problem.layer.poisson_ratio;
-    // What is missing depends on the contact's width, and the width little on that.
+    // The missing length depends on the contact's width, and the width little on that.
     constexpr int kRounds = 5;
     for (int round = 0; round < kRounds; ++round) {
       middle = middle_of(load_N / (length_m - 2 * h * missing), problem.cylinder->radius_m,
@@ -242,7 +242,8 @@ const PadModel& line_layer() {
         "limits: K. L. Johnson, Contact Mechanics, sections 4.2 and 5.8; ends: fitted to finite "
         "elements of this project";
     card.validity =
-        "b/h from 0.02 to 7, length at least 2.5 (h + b), side walls at least two thicknesses from "
+        "b/h from 0.02 to 7, length at least 2.5 (h + b), side walls at least three thicknesses "
+        "from "
         "the contact, strain to 0.1, nu to 0.4999";
     card.cost = "about 5 microseconds";
     return LineLayerModel(card);
