@@ -343,18 +343,23 @@ PadResult solve_curved_object(const PadProblem& problem, const Progress& progres
     const Vector2d centre_m = origin_m + h * centre;
     result.centre_of_pressure_m = result.load_point_m =
         result.stiffness_centre_m = {centre_m.x(), centre_m.y()};
-    for (Index i = 0; i < solver.place().cols(); ++i)
+    for (Index i = 0; i < solver.place().cols(); ++i) {
+      // On a mirror plane the image is the node itself, whose weight is then that of both.
+      constexpr double on_plane = 1e-12;
+      const Vector2d place = solver.place().col(i);
+      const bool on_x = geometry.planes.x && std::abs(place.x()) < on_plane,
+                 on_y = geometry.planes.y && std::abs(place.y()) < on_plane;
+      const double weight = (on_x ? 2 : 1) * (on_y ? 2 : 1) * solver.weight()[i];
       for (int k = 0; k < geometry.planes.images(); ++k) {
-        const Vector2d at =
-            geometry.planes.image(k).signs().head<2>().cwiseProduct(solver.place().col(i));
-        // On a mirror plane the image is the node itself.
-        const bool is_image_of_itself = k > 0 && (at - solver.place().col(i)).norm() < 1e-12;
-        if (is_image_of_itself) continue;
+        const Image image = geometry.planes.image(k);
+        if ((on_x && image.mirror_x) || (on_y && image.mirror_y)) continue;
+        const Vector2d at = image.signs().head<2>().cwiseProduct(place);
         result.pressure.x_m.push_back(origin_m.x() + h * at.x());
         result.pressure.y_m.push_back(origin_m.y() + h * at.y());
         result.pressure.pressure_Pa.push_back(E * solver.pressure(i));
-        result.pressure.weight_m2.push_back(h * h * solver.weight()[i]);
+        result.pressure.weight_m2.push_back(h * h * weight);
       }
+    }
     for (const PlaneMotion& velocity : spread_velocities(problem.limit_surface, arm)) {
       Eigen::Vector3d wrench = Eigen::Vector3d::Zero();
       solver.for_each_force([&](const Vector2d& at, double force) {
