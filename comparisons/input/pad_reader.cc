@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::input {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/layer/bonded_layer.h"
 

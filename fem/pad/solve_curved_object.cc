@@ -14,6 +14,7 @@
 #include "fem/pad/check_pad.h"
 #include "fem/pad/curved_contact.h"
 #include "fem/pad/grid_mesh.h"
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
