@@ -58,7 +58,8 @@ input::Settings settings_of(const CaseInput& typed) {
   };
   const Number numbers[] = {
       {"--radii-mm", "geometry.relative_radii_mm", typed.radii_mm, 2,
-       "R',R'' or R: numbers > 0, in mm"},
+       "R',R'' or R: numbers > 0, in mm; a line needs its length, in a case with finger = { "
+       "roller_radius_mm = 14, length_mm = 28 }"},
       {"--thickness-mm", "layer.thickness_mm", typed.thickness_mm, 1, "a number > 0, in mm"},
       {"--youngs-modulus-kPa", "layer.youngs_modulus_kPa", typed.youngs_modulus_kPa, 1,
        "a number > 0, in kPa"},

@@ -55,14 +55,17 @@ void add_explain(CLI::App& app, Action& action) {
           return 0;
         }
       std::vector<const ModelCard*> cards;
-      if (const PadModel* pad = find_pad_model(name))
+      const PadModel* const pad =
+          name == line_layer().card().name ? &line_layer() : find_pad_model(name);
+      if (pad)
         cards.push_back(&pad->card());
       else
         for (const PressureModel* model :
              prediction::models_by_name(name == "all" ? "everything" : name))
           cards.push_back(&model->card());
       if (name == "all")
-        for (const PadModel* pad : all_pad_models()) cards.push_back(&pad->card());
+        for (const PadModel* model : all_pad_models()) cards.push_back(&model->card());
+      if (name == "all") cards.push_back(&line_layer().card());
       std::string text;
       nlohmann::json models = nlohmann::json::array();
       for (const ModelCard* shown : cards) {

@@ -184,6 +184,7 @@ std::string evidence_text(const input::Case& contact_case, const ContactCurve& c
 int run_export(const ExportOptions& options) {
   const Simulator& simulator = simulator_by_name(options.to);
   const input::Case contact_case = read_contact_case(options.contact);
+  input::refuse_curved_pad(contact_case, "softfinger export");
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
     return export_pad(simulator, contact_case, options.contact, options.json);
   const ContactCurve curve = ask_contact_curve(contact_case, options.contact);

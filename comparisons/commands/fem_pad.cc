@@ -30,12 +30,15 @@ std::string error_words(const std::optional<double>& error) {
 }
 
 std::string first_line(const PadElements& pad, const PadAnswer& model) {
-  const Eigen::Vector2d extent_mm = 1e3 * model.problem.shape->outline().extent_m();
+  const auto& half_m = pad.contact_half_lengths_m;
+  const bool is_curved = half_m[0] > 0;
+  const Eigen::Vector2d extent_mm = is_curved ? Eigen::Vector2d(2e3 * half_m[0], 2e3 * half_m[1])
+                                              : 1e3 * model.problem.shape->outline().extent_m();
   return fmt::format(
-      "{:g} N: torque {:.4g} mN·m {}, by finite elements; pad contact {:.3g} x {:.3g} mm{}; e_n "
+      "{:g} N: torque {:.4g} mN·m {}, by finite elements; {} contact {:.3g} x {:.3g} mm{}; e_n "
       "{:.4g} mm\n",
-      pad.load_N, 1e3 * pad.max_torque_Nm, error_words(pad.error.max_torque), extent_mm.x(),
-      extent_mm.y(),
+      pad.load_N, 1e3 * pad.max_torque_Nm, error_words(pad.error.max_torque),
+      model.problem.cylinder ? "line" : "pad", extent_mm.x(), extent_mm.y(),
       pad.lifted_share > 0 ? fmt::format(", {:.0f} % of it lifted off", 100 * pad.lifted_share)
                            : "",
       1e3 * pad.eccentricity_m);
@@ -47,8 +50,42 @@ std::string limit_words(const std::optional<double>& limit_Nm) {
   return limit_Nm ? fmt::format("{:.4g}", 1e3 * *limit_Nm) : std::string("?");
 }
 
-std::string elements_text(const PadElements& pad, const PadAnswer& model) {
-  std::string text = fmt::format(
+/// Errors of the closed form.
+std::string model_text(const PadElements& pad, const PadAnswer& model) {
+  const PadPrediction& p = model.prediction;
+  if (!p.has_answer || pad.lifted_share > 0) return "";
+  const auto apart = [](double predicted, double found) {
+    return fmt::format("{:+.1f} %", 100 * (predicted / found - 1));
+  };
+  return fmt::format("  {} is off by: torque {}, d {}, stiffness {}, arm as pressed {}{}\n",
+                     model.model->card().name, apart(p.eccentricity_m, pad.eccentricity_m),
+                     apart(indentation_at_load_m(model), pad.indentation_m),
+                     apart(p.normal_stiffness_N_per_m, pad.normal_stiffness_N_per_m),
+                     apart(p.pressure_arm_m, pad.pressure_arm_m),
+                     model.bound
+                         ? "; it states torque ± " + text::percent(model.bound->max_torque) +
+                               ", d ± " + text::percent(model.bound->indentation)
+                         : "; no bound is known for it here");
+}
+
+std::string cost_text(const PadElements& pad) {
+  return fmt::format("  {:.0f} unknowns, {:.1f} s, {:.0f} MB\n", pad.unknowns, pad.wall_s,
+                     pad.peak_memory_MB);
+}
+
+std::string curved_text(const PadElements& pad) {
+  return fmt::format(
+      "  d {:.4g} mm {}, stiffness {:.4g} N/mm {}, peak {:.4g} kPa {}\n"
+      "  tilt stiffness about x {:.4g}, about y {:.4g} N·m/rad, of the contact as it is; the "
+      "contact's lengths are known to the distance of two nodes\n",
+      1e3 * pad.indentation_m, error_words(pad.error.indentation),
+      1e-3 * pad.normal_stiffness_N_per_m, error_words(pad.error.normal_stiffness),
+      1e-3 * pad.peak_pressure_Pa, error_words(pad.error.peak_pressure),
+      pad.tilt_stiffness_Nm_per_rad[0], pad.tilt_stiffness_Nm_per_rad[1]);
+}
+
+std::string flat_text(const PadElements& pad) {
+  return fmt::format(
       "  d {:.4g} mm {}, stiffness {:.4g} N/mm {}, arm as pressed {:.4g} mm {}, peak within 0.95 "
       "of the outline {:.4g} kPa {}\n"
       "  tilt stiffness about x {:.4g}, about y {:.4g} N·m/rad; without lift-off at most {} and {} "
@@ -61,23 +98,11 @@ std::string elements_text(const PadElements& pad, const PadAnswer& model) {
       pad.tilt_stiffness_Nm_per_rad[1], limit_words(pad.tilt_limit_Nm[0]),
       limit_words(pad.tilt_limit_Nm[1]), pad.torsional_stiffness_Nm_per_rad,
       1e-3 * pad.tangential_stiffness_N_per_m[0], 1e-3 * pad.tangential_stiffness_N_per_m[1]);
-  const PadPrediction& p = model.prediction;
-  if (p.has_answer && pad.lifted_share == 0) {
-    const auto apart = [](double predicted, double found) {
-      return fmt::format("{:+.1f} %", 100 * (predicted / found - 1));
-    };
-    text +=
-        fmt::format("  pad_layer is off by: torque {}, d {}, stiffness {}, arm as pressed {}{}\n",
-                    apart(p.eccentricity_m, pad.eccentricity_m),
-                    apart(indentation_at_load_m(model), pad.indentation_m),
-                    apart(p.normal_stiffness_N_per_m, pad.normal_stiffness_N_per_m),
-                    apart(p.pressure_arm_m, pad.pressure_arm_m),
-                    model.bound ? "; it states torque ± " + text::percent(model.bound->max_torque) +
-                                      ", d ± " + text::percent(model.bound->indentation)
-                                : "; no bound is known for it here");
-  }
-  return text + fmt::format("  {:.0f} unknowns, {:.1f} s, {:.0f} MB\n", pad.unknowns, pad.wall_s,
-                            pad.peak_memory_MB);
+}
+
+std::string elements_text(const PadElements& pad, const PadAnswer& model) {
+  const bool is_curved = pad.contact_half_lengths_m[0] > 0;
+  return (is_curved ? curved_text(pad) : flat_text(pad)) + model_text(pad, model) + cost_text(pad);
 }
 
 }  // namespace
@@ -118,8 +143,9 @@ int fem_pad(const PadFemQuestion& question, const input::Case& contact_case) {
   for (std::size_t load = 0; load < solutions.size(); ++load) {
     PadElements pad = *solutions[load].elements;
     pad.load_N = contact_case.loads_N[load];  // as typed
-    const PadAnswer model = prediction::ask_pad_model(*find_pad_model("pad_layer"), contact_case,
-                                                      shape, pad.load_N, {}, 0);
+    PadAnswer model =
+        prediction::ask_pad_model(pair.curved ? line_layer() : *find_pad_model("pad_layer"),
+                                  contact_case, shape, pad.load_N, {}, 0);
     answers += first_line(pad, model);
     evidence += (solutions.size() > 1 ? fmt::format("\n{:g} N\n", pad.load_N) : "") +
                 elements_text(pad, model);

@@ -42,6 +42,9 @@ std::vector<Entry> entries(const std::string& kind) {
   if (kind == "models")
     for (const PadModel* model : all_pad_models())
       found.push_back({std::string(model->card().name), std::string(model->card().title)});
+  if (kind == "models")
+    found.push_back(
+        {std::string(line_layer().card().name), std::string(line_layer().card().title)});
   if (kind == "cases")
     for (const auto& file : system::builtin_case_files()) {
       const input::Case contact_case = input::read_case(file, {}, input::FlatPads::taken);

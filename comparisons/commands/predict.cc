@@ -23,6 +23,7 @@
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/ask_model.h"
+#include "comparisons/prediction/curved_pad.h"
 #include "comparisons/prediction/gap_sampling.h"
 #include "comparisons/prediction/pad_answer.h"
 #include "comparisons/system/files.h"
@@ -172,15 +173,25 @@ int run_predict_pad(const PredictOptions& options, const prediction::Demand& dem
     refuse("--gap", options.gap, "nothing for a flat pad: it has no gap to sample");
   if (options.write_page)
     refuse("--page", options.page, "for a case whose finger or object is a mesh");
-  check_limit_surface(
-      options, prediction::pad_models_by_name(options.models).size() * contact_case.loads_N.size());
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  const auto models = prediction::pad_models_by_name(options.models, pair.curved.has_value());
+  check_limit_surface(options, models.size() * contact_case.loads_N.size());
   return predict_pad({demand, options.models, options.limit_surface, options.json, options.explain},
                      contact_case);
 }
 
+/// A sphere well inside of a pad is an ordinary contact.
+input::Case settle_pad(const input::Case& typed) {
+  const auto* pair = std::get_if<input::PadPair>(&typed.geometry);
+  if (!pair || !pair->curved || pair->curved->is_cylinder()) return typed;
+  input::Case ordinary = prediction::without_ends(typed);
+  remark("the contact lies well inside of the pad: it is that of a layer without an end");
+  return ordinary;
+}
+
 int run_predict(const PredictOptions& options) {
   const prediction::Demand demand = options.demand.demand();
-  const input::Case contact_case = read_case(options.typed_case);
+  const input::Case contact_case = settle_pad(read_case(options.typed_case));
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
     return run_predict_pad(options, demand, contact_case);
   const auto models = chosen_models(options, contact_case);

@@ -45,19 +45,19 @@ std::string pad_answer_line(const PadAnswer* answer, double load_N,
                             const std::optional<judgement::InputDoubt>& inputs) {
   if (!answer) return fmt::format("{:g} N: NO ANSWER by any of these models\n", load_N);
   const FrictionEllipsoid limit = answer->friction_ellipsoid();
-  const Eigen::Vector2d extent_mm = 1e3 * answer->problem.shape->outline().extent_m();
+  const Eigen::Vector2d extent_mm = 1e3 * answer->contact().extent_m();
   const std::string lines =
       answer->usable
           ? "; MuJoCo " + exporting::mujoco_friction(four_digits(limit.max_force_N / load_N),
                                                      four_digits(limit.max_torque_Nm() / load_N))
           : "";
   return fmt::format(
-      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; pad contact {:.3g} x {:.3g} mm{}; e_n {:.3g} "
+      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; {} contact {:.3g} x {:.3g} mm{}; e_n {:.3g} "
       "mm{}\n",
       load_N, answer->usable ? "" : "NOT USABLE within " + text::percent(demand.tolerance) + ": ",
       1e3 * limit.max_torque_Nm(), bound_words(answer->bound_of(prediction::Quantity::max_torque)),
-      in_words(inputs), answer->model->card().name, extent_mm.x(), extent_mm.y(),
-      lifted_words(*answer), 1e3 * limit.eccentricity_m, lines);
+      in_words(inputs), answer->model->card().name, answer->problem.cylinder ? "line" : "pad",
+      extent_mm.x(), extent_mm.y(), lifted_words(*answer), 1e3 * limit.eccentricity_m, lines);
 }
 
 constexpr const char* kPadRow = "  {:<13} {:>7} {:>8} {:>8} {:>8} {:>8} {:>9} {:>8}\n";
@@ -94,12 +94,10 @@ std::string pad_rows(const std::vector<PadAnswer>& answers, const prediction::De
   return text + others;
 }
 
-/// All that the answers rest on.
-std::string pad_evidence(const PadAnswer& answer) {
+/// Numbers of a pad under a flat face.
+std::string flat_numbers(const PadAnswer& answer) {
   const PadPrediction& p = answer.prediction;
-  std::string text = fmt::format("  {}: {}\n", answer.model->card().name, answer.evidence);
-  if (!p.has_answer) return text;
-  text += fmt::format(
+  std::string text = fmt::format(
       "    arm as pressed {:.4g} mm, at full slip (e_n) {:.4g} mm: a twist lets the radial shear "
       "go, "
       "so that the largest torque is that of frictionless pressing\n"
@@ -119,13 +117,36 @@ std::string pad_evidence(const PadAnswer& answer) {
         "    the load is {:.2f} times as far from the middle as the rim bears: {} of the face has "
         "lifted off and carries nothing, and the stiffnesses are those of the whole face\n",
         p.tilt_utilisation, text::percent(p.lifted_share));
+  return text;
+}
+
+/// Numbers of a line contact.
+std::string line_numbers(const PadAnswer& answer) {
+  const PadPrediction& p = answer.prediction;
+  return fmt::format(
+      "    arm {:.4g} mm, half-width {:.4g} mm in the middle of the line; per length it would be "
+      "{:.4g} N/mm if no end counted\n"
+      "    tilt stiffness about y {:.4g} N·m/rad, the line being along x; about its own axis a "
+      "cylinder rolls\n",
+      1e3 * p.pressure_arm_m, 1e3 * p.half_width_m,
+      1e-3 * answer.problem.load.normal_force_N / answer.contact().extent_m().x(),
+      p.tilt_stiffness_Nm_per_rad[1]);
+}
+
+/// All that the answers rest on.
+std::string pad_evidence(const PadAnswer& answer) {
+  const PadPrediction& p = answer.prediction;
+  std::string text = fmt::format("  {}: {}\n", answer.model->card().name, answer.evidence);
+  if (!p.has_answer) return text;
+  text += answer.problem.cylinder ? line_numbers(answer) : flat_numbers(answer);
   if (answer.bound)
     text += fmt::format(
-        "    bounds: torque {}, arm as pressed {}, indentation and stiffness {}, peak (within 0.95 "
-        "of the outline) {}, tilt {}\n",
+        "    bounds: torque {}, arm as pressed {}, indentation and stiffness {}, peak{} {}, tilt "
+        "{}\n",
         bound_words(answer.bound->max_torque), bound_words(answer.bound->pressure_arm),
-        bound_words(answer.bound->indentation), bound_words(answer.bound->peak_pressure),
-        bound_words(answer.bound->tilt_stiffness));
+        bound_words(answer.bound->indentation),
+        answer.problem.cylinder ? "" : " (within 0.95 of the outline)",
+        bound_words(answer.bound->peak_pressure), bound_words(answer.bound->tilt_stiffness));
   for (const ValidityCheck& check : p.validity)
     if (!check.holds())
       text += fmt::format("    {} = {:.3g}, limit {:.3g}: {}\n", check.check, check.value,
@@ -151,7 +172,8 @@ std::string pad_surface_text(const nlohmann::json& result) {
 
 int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
   const PadPair& pair = pads_of(contact_case);
-  const auto models = prediction::pad_models_by_name(question.models);
+  const auto models =
+      prediction::pad_models_by_name(question.models, pair.curved && pair.curved->is_cylinder());
   const PadShape shape(pair.contact);
   const double budget_ns = 3e5 / double(models.size() * contact_case.loads_N.size());
   nlohmann::json results = nlohmann::json::array();

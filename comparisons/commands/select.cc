@@ -336,6 +336,7 @@ int run_select(SelectOptions options) {
     return run_scene(file, options);
   const input::Case contact_case = read_case(options.typed_case);
   input::require_coulomb(contact_case, "select");
+  input::refuse_curved_pad(contact_case, "softfinger select");
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
     return run_pad(contact_case, options);
   options.selection.models = allowed_models(options.models, all_pressure_models());

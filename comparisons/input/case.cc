@@ -162,9 +162,11 @@ decltype(Case::geometry) read_geometry(const TomlReader& reader, const toml::tab
     const auto radii = reader.numbers(node, field, 2, "two radii in mm, R' and R''", true);
     for (double radius_mm : radii) {
       if (std::isinf(radius_mm))
-        reader.say(node,
-                   "relative_radii_mm = " + as_typed(node) +
-                       ": no contact ellipse: a flat direction makes a line or plane contact");
+        reader.say(
+            node, "relative_radii_mm = " + as_typed(node) +
+                      ": no contact ellipse: a flat direction makes a line or plane contact. "
+                      "A line needs its length: finger = { roller_radius_mm = 14, length_mm = 28 } "
+                      "on object = { flat = true }");
       if (radius_mm < 0)
         reader.say(node, "relative_radii_mm = " + as_typed(node) +
                              (radii[0] < 0 && radii[1] < 0
@@ -443,6 +445,16 @@ void refuse_pad(const Case& contact_case, const std::string& command) {
                    command +
                        " does not take flat pads yet: softfinger predict, fem, compare, select, "
                        "sweep, explore and export do",
+                   "", "");
+}
+
+void refuse_curved_pad(const Case& contact_case, const std::string& command) {
+  const auto* pair = std::get_if<PadPair>(&contact_case.geometry);
+  if (!pair || !pair->curved) return;
+  throw InputError(contact_case.geometry_where,
+                   command + " does not take " +
+                       (pair->is_roller ? "a roller" : "a curved object on a flat pad") +
+                       " yet: softfinger predict and fem do",
                    "", "");
 }
 

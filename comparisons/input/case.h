@@ -134,6 +134,10 @@ enum class FlatPads { refused, taken };
 /// @throws InputError that names the command, where the case's contact is a flat pad
 void refuse_pad(const Case& contact_case, const std::string& command);
 
+/// @throws InputError that names the command, where a flat pad's object is curved, or where it is a
+/// roller
+void refuse_curved_pad(const Case& contact_case, const std::string& command);
+
 /// Reads and checks a case file. Mesh files are looked up relative to the case's folder, then among
 /// the built-in meshes, but not opened.
 /// @throws InputError with where = "file:line" for anything that is missing, unknown, of the wrong

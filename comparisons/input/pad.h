@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <variant>
@@ -30,6 +31,14 @@ struct FlatPad {
   double edge_radius_m = 0;  ///< of the fillet between face and side walls, which stays clear
 };
 
+/// A curved object without an end, gap x²/(2 R_x) + y²/(2 R_y) about its middle. A cylinder's
+/// radius along its axis is infinite.
+struct CurvedFace {
+  double radius_x_m = 0, radius_y_m = 0;  ///< > 0, not both infinite
+
+  bool is_cylinder() const { return std::isinf(radius_x_m) || std::isinf(radius_y_m); }
+};
+
 /// The object's flat face.
 struct FlatFace {
   std::optional<FlatFigure> figure;  ///< none: a plane larger than the pad
@@ -39,6 +48,10 @@ struct FlatFace {
 struct PadPair {
   FlatPad finger;
   FlatFace object;
+  /// In the place of a flat face. The pad is a rectangle then; that of a roller is as wide as the
+  /// roller, with the line along x.
+  std::optional<CurvedFace> curved;
+  bool is_roller = false;
   Eigen::Vector2d offset_m = Eigen::Vector2d::Zero();  ///< of the face in the pad's frame
   double angle_rad = 0;                                ///< of the face, counter-clockwise
   PadPressing pressing = PadPressing::stuck;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::input {
@@ -127,8 +128,115 @@ std::optional<ConvexOutline> outline_of(const FlatFigure& figure, double inset_m
                                "radii_mm = [inf, inf] } for a plane under a curved finger"
                              : "geometry.finger is a flat pad and geometry.object is not flat: a "
                                "pad takes object = { flat = true } (a larger plane), { face_mm = "
-                               "[l, w] }, { face_diameter_mm } or { face_outline_mm }; under a "
-                               "curved object give the finger radii_mm or a mesh");
+                               "[l, w] }, { face_diameter_mm }, { face_outline_mm }, { "
+                               "cylinder_radius_mm }, { sphere_radius_mm } or { radii_mm = [Rx, "
+                               "Ry] }");
+}
+
+constexpr const char* kRoller = "roller_radius_mm";
+const std::array<std::string, 3> kCurvedKeys{"cylinder_radius_mm", "sphere_radius_mm", "radii_mm"};
+
+bool is_curved(const toml::table& object) {
+  return std::any_of(kCurvedKeys.begin(), kCurvedKeys.end(),
+                     [&](const std::string& key) { return object.contains(key); });
+}
+
+/// A radius of an object that bulges towards the pad.
+double bulge_of(const TomlReader& reader, const toml::node& node, const std::string& field,
+                double typed_mm, bool may_be_straight) {
+  const double radius_m = typed_mm * kMillimetre;
+  if (may_be_straight && std::isinf(radius_m) && radius_m > 0) return radius_m;
+  if (radius_m < 0)
+    reader.refuse(node, field,
+                  "a radius > 0, in mm: a hollow object conforms to the pad and is not answered");
+  return side_of(reader, node, field, typed_mm);
+}
+
+double bulge_of(const TomlReader& reader, const toml::node& node, const std::string& field) {
+  return bulge_of(reader, node, field, reader.number(node, field, "a radius > 0, in mm"), false);
+}
+
+CurvedFace read_curved(const TomlReader& reader, const toml::node& node, const toml::table& table) {
+  reader.check_keys(table, "object", {kCurvedKeys[0], kCurvedKeys[1], kCurvedKeys[2], "offset_mm"});
+  if (std::count_if(kCurvedKeys.begin(), kCurvedKeys.end(),
+                    [&](const std::string& key) { return table.contains(key); }) != 1)
+    reader.say(node, "object needs exactly one of cylinder_radius_mm, sphere_radius_mm, radii_mm");
+  if (const toml::node* cylinder = table.get(kCurvedKeys[0]))
+    return {kInfinity, bulge_of(reader, *cylinder, "object.cylinder_radius_mm")};
+  if (const toml::node* sphere = table.get(kCurvedKeys[1])) {
+    const double radius_m = bulge_of(reader, *sphere, "object.sphere_radius_mm");
+    return {radius_m, radius_m};
+  }
+  const toml::node& both = *table.get(kCurvedKeys[2]);
+  const auto typed = reader.numbers(both, "object.radii_mm", 2,
+                                    "[Rx, Ry]: radii > 0, in mm; inf along a straight direction",
+                                    /*infinity_allowed=*/true);
+  const CurvedFace face{bulge_of(reader, both, "object.radii_mm", typed[0], true),
+                        bulge_of(reader, both, "object.radii_mm", typed[1], true)};
+  if (std::isinf(face.radius_x_m) && std::isinf(face.radius_y_m))
+    reader.say(both, "object.radii_mm = [inf, inf] is a plane: give flat = true");
+  if (std::isinf(face.radius_y_m))
+    reader.say(both,
+               "object.radii_mm = [R, inf] is a cylinder along the pad's second side: exchange "
+               "both sides of pad_mm, and give cylinder_radius_mm = R");
+  return face;
+}
+
+/// A cylinder with a sleeve of the layer, on a plane or on a cylinder whose axis is parallel.
+void read_roller(const TomlReader& reader, const toml::table& geometry, const toml::table& table,
+                 PadPair& pair) {
+  reader.check_keys(table, "finger", {kRoller, "length_mm"});
+  const double radius_m = bulge_of(reader, *table.get(kRoller), std::string("finger.") + kRoller);
+  const toml::node& length = reader.required(table, "finger", "length_mm");
+  const double length_m =
+      side_of(reader, length, "finger.length_mm",
+              reader.number(length, "finger.length_mm", "the length of the line > 0, in mm"));
+  pair.is_roller = true;
+  // A contact stays far from the sides of such a pad.
+  pair.finger.figure = RectangleFigure{length_m, 2 * radius_m, 0};
+  const toml::node& node = reader.required(geometry, "[geometry]", "object");
+  const toml::table* object = node.as_table();
+  const std::string allowed =
+      "a roller takes object = { flat = true }, or { cylinder_radius_mm = R } with a parallel axis";
+  if (!object || object->contains("flat") == object->contains(kCurvedKeys[0]))
+    reader.say(node, allowed);
+  double curvature_per_m = 1 / radius_m;
+  if (object->contains("flat")) {
+    reader.check_keys(*object, "object", {"flat"});
+    if (!reader.boolean(*object->get("flat"), "object.flat", "true, a larger plane"))
+      reader.say(node, allowed);
+  } else {
+    reader.check_keys(*object, "object", {kCurvedKeys[0]});
+    curvature_per_m +=
+        1 / bulge_of(reader, *object->get(kCurvedKeys[0]), "object.cylinder_radius_mm");
+  }
+  pair.curved = CurvedFace{kInfinity, 1 / curvature_per_m};
+}
+
+/// Refuses what only a flat face has.
+void check_curved(const TomlReader& reader, const toml::table& geometry, const toml::table& contact,
+                  PadPair& pair) {
+  const toml::node& node = *geometry.get("finger");
+  const auto* sides = std::get_if<RectangleFigure>(&pair.finger.figure);
+  if (!sides)
+    reader.say(node, "under a curved object the pad is a rectangle: finger = { pad_mm = [l, w] }");
+  if (const toml::node* angle = geometry.get("angle_deg"))
+    reader.say(*angle,
+               "a curved object's axes lie along the pad's sides: for a cylinder along the second "
+               "side exchange both sides of pad_mm");
+  if (const toml::node* at = contact.get("load_at_mm"))
+    reader.say(*at, "load_at_mm is for flat faces: a curved object is pressed without turning");
+  if (const toml::node* pressing = contact.get("pressing"))
+    if (reader.choice(*pressing, "pressing", {"stuck", "frictionless"}) == "stuck")
+      reader.say(*pressing,
+                 "pressing = \"stuck\" is for flat faces: under a curved object points come into "
+                 "contact one after the other; \"frictionless\" is answered, whose torque holds "
+                 "for both");
+  pair.pressing = PadPressing::frictionless;
+  if (std::abs(pair.offset_m.x()) >= sides->length_m / 2 ||
+      std::abs(pair.offset_m.y()) >= sides->width_m / 2)
+    reader.say(*geometry.get("object"),
+               "object.offset_mm puts the object's middle outside of the pad");
 }
 
 FlatPad read_pad(const TomlReader& reader, const toml::table& geometry) {
@@ -214,7 +322,7 @@ void intersect(const TomlReader& reader, const toml::table& geometry, PadPair& p
 
 bool is_flat_geometry(const toml::table& geometry) {
   const toml::table *finger = table_of(geometry, "finger"), *object = table_of(geometry, "object");
-  return (finger && kPadKeys.any(*finger)) ||
+  return (finger && (kPadKeys.any(*finger) || finger->contains(kRoller))) ||
          (object && (object->contains("flat") || kFaceKeys.any(*object)));
 }
 
@@ -222,7 +330,22 @@ PadPair read_pad_pair(const TomlReader& reader, const toml::table& geometry,
                       const toml::table& contact) {
   reader.check_keys(geometry, "[geometry]", {"finger", "object", "angle_deg"});
   PadPair pair;
+  const toml::table *finger = table_of(geometry, "finger"), *object = table_of(geometry, "object");
+  if (finger && finger->contains(kRoller)) {
+    read_roller(reader, geometry, *finger, pair);
+    check_curved(reader, geometry, contact, pair);
+    pair.pad = pair.contact = *outline_of(pair.finger.figure, 0);
+    return pair;
+  }
   pair.finger = read_pad(reader, geometry);
+  if (object && is_curved(*object)) {
+    pair.curved = read_curved(reader, *geometry.get("object"), *object);
+    if (const toml::node* offset = object->get("offset_mm"))
+      pair.offset_m = point_of(reader, *offset, "object.offset_mm");
+    check_curved(reader, geometry, contact, pair);
+    pair.pad = pair.contact = *outline_of(pair.finger.figure, pair.finger.edge_radius_m);
+    return pair;
+  }
   read_face(reader, geometry, pair);
   if (!pair.object.figure)
     if (const toml::node* angle = geometry.get("angle_deg"))

@@ -84,7 +84,12 @@ std::string pad_cost_of_inputs(const PadAnswer& answer) {
   add("h + 10 %", thicker);
   add("nu - 0.01", softer);
   add("mu + 10 %", rougher);
-  return words + "; E counts for nothing";
+  if (!answer.problem.cylinder) return words + "; E counts for nothing";
+  // A stiffer layer narrows the line.
+  PadProblem stiffer = answer.problem;
+  stiffer.layer.youngs_modulus_Pa *= 2;
+  add("E x 2", stiffer);
+  return words;
 }
 
 }  // namespace softfinger::judgement

@@ -56,7 +56,8 @@ void require_ellipse(const RelativeCurvature& relative, const std::string& where
     case ContactKind::line:
       throw InputError(where,
                        "no contact ellipse: the bodies touch along a line, one relative curvature "
-                       "vanishes" +
+                       "vanishes; a line needs its length: finger = { roller_radius_mm = 14, "
+                       "length_mm = 28 }, or object = { cylinder_radius_mm = 7 } on a flat pad" +
                            numbers,
                        "", "");
     case ContactKind::conforming:

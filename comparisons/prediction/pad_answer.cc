@@ -63,7 +63,9 @@ nlohmann::json bound_json(const PadAnswer& answer) {
 void assess_pad(const input::PadPair& pair, const Demand& demand, PadAnswer& answer) {
   if (answer.prediction.has_answer) answer.bound = pad_error_bound(*answer.model, answer.problem);
   answer.evidence =
-      answer.model->card().name == "pad_uniform"
+      answer.problem.cylinder
+          ? "95 % of finite-element runs of whole pads (linear) that line_layer was not fitted to"
+      : answer.model->card().name == "pad_uniform"
           ? "its distance from pad_layer, and pad_layer's own bound"
           : "95 % of finite-element runs of whole pads (linear) that pad_layer was not fitted to";
   if (pair.covered < kCovered) {
@@ -107,10 +109,31 @@ void assess_pad(const input::PadPair& pair, const Demand& demand, PadAnswer& ans
   answer.usable = answer.bound && worst <= demand.tolerance;
 }
 
+std::string describe_curved(const input::PadPair& pair, const ElasticLayer& layer) {
+  const Eigen::Vector2d sides_mm = 1e3 * pair.pad.extent_m();
+  const auto radius = [](double radius_m) {
+    return std::isinf(radius_m) ? std::string("inf") : fmt::format("{:.4g}", 1e3 * radius_m);
+  };
+  if (pair.is_roller)
+    return fmt::format(
+        "roller, a line of {:.4g} mm across a relative radius of {} mm, {:.3g} thicknesses long, "
+        "pressed without friction",
+        sides_mm.x(), radius(pair.curved->radius_y_m), 1e-3 * sides_mm.x() / layer.thickness_m);
+  return fmt::format(
+      "flat pad of {:.4g} x {:.4g} mm under an object of the radii {} and {} mm, pressed without "
+      "friction",
+      sides_mm.x(), sides_mm.y(), radius(pair.curved->radius_x_m), radius(pair.curved->radius_y_m));
+}
+
 }  // namespace
 
-double PadAnswer::area_m2() const {
-  return (1 - prediction.lifted_share) * problem.shape->outline().area_m2();
+double PadAnswer::area_m2() const { return (1 - prediction.lifted_share) * contact().area_m2(); }
+
+ConvexOutline PadAnswer::contact() const {
+  const ConvexOutline& pad = problem.shape->outline();
+  if (!problem.cylinder || !prediction.has_answer) return pad;
+  return ConvexOutline::rounded_rectangle(pad.extent_m().x(), 2 * prediction.half_width_m)
+      .moved(0, {prediction.centre_x_m, prediction.centre_y_m});
 }
 
 double PadAnswer::bound_of(Quantity quantity) const {
@@ -123,19 +146,23 @@ double PadAnswer::bound_of(Quantity quantity) const {
   return 0;
 }
 
-std::vector<const PadModel*> pad_models_by_name(const std::string& names) {
-  if (names == "all" || names == "everything") return all_pad_models();
+std::vector<const PadModel*> pad_models_by_name(const std::string& names, bool under_cylinder) {
+  const std::vector<const PadModel*> possible =
+      under_cylinder ? std::vector<const PadModel*>{&line_layer()} : all_pad_models();
+  if (names == "all" || names == "everything") return possible;
   std::vector<std::string> known;
-  for (const PadModel* model : all_pad_models()) known.emplace_back(model->card().name);
+  for (const PadModel* model : possible) known.emplace_back(model->card().name);
   std::vector<const PadModel*> models;
   for (std::size_t start = 0; start <= names.size();) {
     const std::size_t end = std::min(names.find(',', start), names.size());
     const std::string name = names.substr(start, end - start);
-    const PadModel* model = find_pad_model(name);
-    if (!model)
+    const auto found = std::find(known.begin(), known.end(), name);
+    if (found == known.end())
       throw InputError("command line",
-                       "--model: \"" + text::shortened(name) + "\" is no model of flat pads", "",
-                       text::joined(known) + ", all");
+                       "--model: \"" + text::shortened(name) + "\" is no model of " +
+                           (under_cylinder ? "line contacts" : "flat pads"),
+                       "", text::joined(known) + ", all");
+    const PadModel* model = possible[std::size_t(found - known.begin())];
     if (std::find(models.begin(), models.end(), model) == models.end()) models.push_back(model);
     start = end + 1;
   }
@@ -148,11 +175,11 @@ PadAnswer ask_pad_model(const PadModel& model, const input::Case& contact_case,
   const auto& pair = std::get<input::PadPair>(contact_case.geometry);
   PadAnswer answer;
   answer.model = &model;
-  answer.problem = {&shape,
-                    contact_case.layer,
-                    {load_N, contact_case.shear_law.friction_coefficient},
-                    pair.pressing,
-                    pair.load_at_m};
+  answer.problem = {
+      &shape,        contact_case.layer, {load_N, contact_case.shear_law.friction_coefficient},
+      pair.pressing, pair.load_at_m,     {}};
+  if (pair.curved && pair.curved->is_cylinder())
+    answer.problem.cylinder = CylinderOnPad{pair.curved->radius_y_m, pair.offset_m.y()};
   answer.prediction = model.predict(answer.problem);
   answer.cost_ns = median_cost_ns(model, answer.problem, budget_ns);
   assess_pad(pair, demand, answer);
@@ -193,7 +220,7 @@ double indentation_at_load_m(const PadAnswer& answer) {
 
 SampledPressure limit_surface_of(const PadAnswer& answer) {
   const auto samples = answer.model->slipping_pressure(answer.problem);
-  const double area_m2 = answer.problem.shape->outline().area_m2() / double(samples.size());
+  const double area_m2 = answer.contact().area_m2() / double(samples.size());
   return {samples, answer.problem.load.friction_coefficient, std::sqrt(area_m2 / kPi)};
 }
 
@@ -214,13 +241,18 @@ PadEllipsoidDeviation ellipsoid_deviation_of(const PadAnswer& answer,
 
 nlohmann::json to_json(const PadAnswer& answer, int limit_surface_points) {
   const PadPrediction& p = answer.prediction;
-  const ConvexOutline& outline = answer.problem.shape->outline();
+  const ConvexOutline outline = answer.contact();
+  const bool is_line = answer.problem.cylinder.has_value();
   const FrictionEllipsoid limit = answer.friction_ellipsoid();
   const auto number = [&](double value) {
     return p.has_answer ? text::finite_or_null(value) : nlohmann::json();
   };
+  // A line's model leaves at zero those numbers that it does not state.
+  const auto of_pad = [&](double value) {
+    return is_line && value == 0 ? nlohmann::json() : number(value);
+  };
   const auto pair = [&](const std::array<double, 2>& values) {
-    return nlohmann::json{number(values[0]), number(values[1])};
+    return nlohmann::json{of_pad(values[0]), of_pad(values[1])};
   };
   nlohmann::json points = nlohmann::json::array();
   for (const Eigen::Vector2d& vertex : outline.vertices_m())
@@ -228,10 +260,10 @@ nlohmann::json to_json(const PadAnswer& answer, int limit_surface_points) {
   nlohmann::json result = {
       {"load_N", answer.problem.load.normal_force_N},
       {"model", answer.model->card().name},
-      {"contact", "patch"},
-      {"a_m", nullptr},
-      {"b_m", nullptr},
-      {"axis_rad", nullptr},
+      {"contact", is_line ? "line" : "patch"},
+      {"a_m", is_line ? number(outline.extent_m().x() / 2) : nlohmann::json()},
+      {"b_m", is_line ? number(p.half_width_m) : nlohmann::json()},
+      {"axis_rad", is_line ? nlohmann::json(0) : nlohmann::json()},
       {"area_m2", answer.area_m2()},
       {"area_projected_m2", answer.area_m2()},
       {"outline_m", points},
@@ -251,9 +283,9 @@ nlohmann::json to_json(const PadAnswer& answer, int limit_surface_points) {
       {"tilt_limit_Nm", pair(p.tilt_limit_Nm)},
       {"tilt_utilisation", number(p.tilt_utilisation)},
       {"lifted_share", number(p.lifted_share)},
-      {"tilt_rad", pair(p.tilt_rad)},
+      {"tilt_rad", {number(p.tilt_rad[0]), number(p.tilt_rad[1])}},
       {"tilt_stiffness_Nm_per_rad", pair(p.tilt_stiffness_Nm_per_rad)},
-      {"torsional_stiffness_Nm_per_rad", number(p.torsional_stiffness_Nm_per_rad)},
+      {"torsional_stiffness_Nm_per_rad", of_pad(p.torsional_stiffness_Nm_per_rad)},
       {"tangential_stiffness_N_per_m", pair(p.tangential_stiffness_N_per_m)},
       {"rolling_stiffness_Nm_per_rad", {nullptr, nullptr}},
       {"valid", answer.usable},
@@ -280,6 +312,7 @@ nlohmann::json to_json(const PadAnswer& answer, int limit_surface_points) {
 }
 
 std::string describe(const input::PadPair& pair, const ElasticLayer& layer) {
+  if (pair.curved) return describe_curved(pair, layer);
   const ConvexOutline& contact = pair.contact;
   const Eigen::Vector2d extent_mm = 1e3 * contact.extent_m();
   std::string words = fmt::format(

@@ -29,6 +29,8 @@ struct PadAnswer {
   bool usable = false;  ///< the demanded quantities of a pad are within the tolerance
   double cost_ns = 0;
 
+  /// The pad's contact; under a cylinder the rectangle of its length and 2 b.
+  ConvexOutline contact() const;
   FrictionEllipsoid friction_ellipsoid() const {
     return {problem.load.friction_coefficient * problem.load.normal_force_N,
             prediction.eccentricity_m};
@@ -40,9 +42,11 @@ struct PadAnswer {
   double bound_of(Quantity quantity) const;
 };
 
-/// "all" or "everything" (both), or names separated by commas.
+/// "all" or "everything", or names separated by commas: of the models of flat faces, or under a
+/// cylinder of the one of lines.
 /// @throws InputError that names the pads' models for another name
-std::vector<const PadModel*> pad_models_by_name(const std::string& names);
+std::vector<const PadModel*> pad_models_by_name(const std::string& names,
+                                                bool under_cylinder = false);
 
 /// @param shape     of the case's contact; outlives the answer
 /// @param budget_ns  time for repeated calls that measure the cost
@@ -50,7 +54,8 @@ PadAnswer ask_pad_model(const PadModel& model, const input::Case& contact_case,
                         const PadShape& shape, double load_N, const Demand& demand,
                         double budget_ns);
 
-/// @throws InputError that says how far the load may go, where nearly all of the face has lifted off
+/// @throws InputError that says how far the load may go, where nearly all of the face has lifted
+/// off
 void refuse_tipping(const input::PadPair& pair, const PadAnswer& answer);
 
 /// Approach of the faces where the load acts, as finite elements have it; in the middle it is

@@ -122,6 +122,22 @@ PadSolution solution_of(FemDocument given) {
   return {std::nullopt, "softfinger-fem gave no result to believe: " + read.flaw, kNotConverged};
 }
 
+/// The block that is meshed. A roller's sleeve is cut where it no longer feels the contact, which
+/// is nowhere wider than Hertz's on a half-space.
+json block_json(const input::Case& contact_case, double load_N) {
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  if (!pair.is_roller) return shape_json(pair.finger.figure, pair.finger.edge_radius_m);
+  const ElasticLayer& layer = contact_case.layer;
+  auto sides = std::get<input::RectangleFigure>(pair.finger.figure);
+  const double modulus_Pa =
+      layer.youngs_modulus_Pa / (1 - layer.poisson_ratio * layer.poisson_ratio);
+  const double hertz_m =
+      std::sqrt(4 / kPi * load_N / sides.length_m * pair.curved->radius_y_m / modulus_Pa);
+  constexpr double kBeyond = 4;  // thicknesses
+  sides.width_m = std::min(sides.width_m, 2 * (hertz_m + kBeyond * layer.thickness_m));
+  return shape_json(sides, 0);
+}
+
 std::string outcome_of(const PadSolution& solution) {
   if (!solution.elements) return "FEM failed: " + solution.failure;
   const PadElements& pad = *solution.elements;
@@ -150,7 +166,11 @@ ReadPadElements read_pad_elements(const json& document) {
       is_stuck ? "tilt_stiffness_free_to_slide_Nm_per_rad" : "tilt_stiffness_Nm_per_rad");
   pad.tilt_limit_Nm =
       number.pair_or_none(is_stuck ? "tilt_limit_free_to_slide_Nm" : "tilt_limit_Nm");
-  pad.tangential_stiffness_N_per_m = number.positive_pair("shear_stiffness_N_per_m");
+  // Under a curved object nothing sticks, so that nothing resists a shear.
+  if (document.contains("contact_half_lengths_m"))
+    pad.contact_half_lengths_m = number.positive_pair("contact_half_lengths_m");
+  else
+    pad.tangential_stiffness_N_per_m = number.positive_pair("shear_stiffness_N_per_m");
   pad.unknowns = number("unknowns");
   pad.wall_s = number("wall_s");
   pad.peak_memory_MB = number("peak_memory_MB");
@@ -180,33 +200,38 @@ json to_json(const PadElements& pad, const input::Case& contact_case) {
   for (const Eigen::Vector2d& vertex : pair.contact.vertices_m())
     points.push_back(pair_json(vertex));
   for (const auto& limit : pad.tilt_limit_Nm) limits.push_back(limit ? json(*limit) : json());
-  json result = {{"load_N", pad.load_N},
-                 {"model", "fem"},
-                 {"contact", "patch"},
-                 {"a_m", nullptr},
-                 {"b_m", nullptr},
-                 {"axis_rad", nullptr},
-                 {"area_m2", pad.area_m2 * (1 - pad.lifted_share)},
-                 {"outline_m", points},
-                 {"geometry", "flat"},
-                 {"kinematics", "linear"},
-                 {"pressing", pair.pressing == PadPressing::stuck ? "stuck" : "frictionless"},
-                 {"indentation_m", pad.indentation_m},
-                 {"normal_stiffness_N_per_m", pad.normal_stiffness_N_per_m},
-                 {"peak_pressure_Pa", pad.peak_pressure_Pa},
-                 {"pressure_arm_m", pad.pressure_arm_m},
-                 {"eccentricity_m", pad.eccentricity_m},
-                 {"max_force_N", contact_case.shear_law.friction_coefficient * pad.load_N},
-                 {"max_torque_Nm", pad.max_torque_Nm},
-                 {"tilt_limit_Nm", limits},
-                 {"tilt_stiffness_Nm_per_rad", pad.tilt_stiffness_Nm_per_rad},
-                 {"torsional_stiffness_Nm_per_rad", pad.torsional_stiffness_Nm_per_rad},
-                 {"tangential_stiffness_N_per_m", pad.tangential_stiffness_N_per_m},
-                 {"lifted_share", pad.lifted_share},
-                 {"error", object_under(pad.document, "error")},
-                 {"unknowns", pad.unknowns},
-                 {"wall_s", pad.wall_s},
-                 {"peak_memory_MB", pad.peak_memory_MB}};
+  const bool is_curved = pair.curved.has_value();
+  const bool is_line = is_curved && pair.curved->is_cylinder();
+  json result = {
+      {"load_N", pad.load_N},
+      {"model", "fem"},
+      {"contact", is_line ? "line" : "patch"},
+      {"a_m", is_curved ? json(pad.contact_half_lengths_m[0]) : json()},
+      {"b_m", is_curved ? json(pad.contact_half_lengths_m[1]) : json()},
+      {"axis_rad", is_curved ? json(0) : json()},
+      {"area_m2", pad.area_m2 * (1 - pad.lifted_share)},
+      {"outline_m", points},
+      {"geometry", is_curved ? "curved" : "flat"},
+      {"kinematics", "linear"},
+      {"pressing", pair.pressing == PadPressing::stuck ? "stuck" : "frictionless"},
+      {"indentation_m", pad.indentation_m},
+      {"normal_stiffness_N_per_m", pad.normal_stiffness_N_per_m},
+      {"peak_pressure_Pa", pad.peak_pressure_Pa},
+      {"pressure_arm_m", pad.pressure_arm_m},
+      {"eccentricity_m", pad.eccentricity_m},
+      {"max_force_N", contact_case.shear_law.friction_coefficient * pad.load_N},
+      {"max_torque_Nm", pad.max_torque_Nm},
+      {"tilt_limit_Nm", limits},
+      {"tilt_stiffness_Nm_per_rad", pad.tilt_stiffness_Nm_per_rad},
+      {"torsional_stiffness_Nm_per_rad",
+       is_curved ? json() : json(pad.torsional_stiffness_Nm_per_rad)},
+      {"tangential_stiffness_N_per_m",
+       is_curved ? json::array({nullptr, nullptr}) : json(pad.tangential_stiffness_N_per_m)},
+      {"lifted_share", pad.lifted_share},
+      {"error", object_under(pad.document, "error")},
+      {"unknowns", pad.unknowns},
+      {"wall_s", pad.wall_s},
+      {"peak_memory_MB", pad.peak_memory_MB}};
   if (const auto surface = pad.document.find("limit_surface"); surface != pad.document.end())
     result["limit_surface"] = *surface;
   return result;
@@ -220,13 +245,22 @@ json pad_problem(const input::Case& contact_case, double load_N, int level, int 
     face = {{"outline", shape_json(*pair.object.figure, 0)},
             {"offset_m", pair_json(pair.offset_m)},
             {"angle_rad", pair.angle_rad}};
+  json object;
+  if (pair.curved) {
+    const auto radius = [](double radius_m) {
+      return std::isinf(radius_m) ? json() : json(radius_m);
+    };
+    object = {{"radii_m", {radius(pair.curved->radius_x_m), radius(pair.curved->radius_y_m)}},
+              {"offset_m", pair_json(pair.offset_m)}};
+  }
   return {{"name", contact_case.id},
           {"pad",
-           {{"outline", shape_json(pair.finger.figure, pair.finger.edge_radius_m)},
+           {{"outline", block_json(contact_case, load_N)},
             {"thickness_m", contact_case.layer.thickness_m},
             {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
             {"poisson_ratio", contact_case.layer.poisson_ratio}}},
           {"face", face},
+          {"object", object},
           {"pressing", pair.pressing == PadPressing::stuck ? "stuck" : "frictionless"},
           {"load_N", load_N},
           {"load_point_m", pair.load_at_m ? pair_json(*pair.load_at_m) : json()},
@@ -236,7 +270,11 @@ json pad_problem(const input::Case& contact_case, double load_N, int level, int 
 }
 
 std::optional<std::string> elements_remark(const input::Case& contact_case) {
-  if (!(std::get<input::PadPair>(contact_case.geometry).finger.edge_radius_m > 0)) return {};
+  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
+  const auto* sides = std::get_if<input::RectangleFigure>(&pair.finger.figure);
+  if (pair.curved && sides && sides->corner_radius_m > 0)
+    return "corner_radius_mm: under a curved object the elements' block has sharp corners";
+  if (!(pair.finger.edge_radius_m > 0)) return {};
   return "edge_radius_mm: the elements' block has the outline of the flat face, without the fillet "
          "around it";
 }

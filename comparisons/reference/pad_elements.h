@@ -31,6 +31,7 @@ struct PadElements {
          peak_pressure_Pa = 0, pressure_arm_m = 0, eccentricity_m = 0, max_torque_Nm = 0,
          torsional_stiffness_Nm_per_rad = 0, lifted_share = 0;
   std::array<double, 2> tilt_stiffness_Nm_per_rad{}, tangential_stiffness_N_per_m{};
+  std::array<double, 2> contact_half_lengths_m{};  ///< under a curved object
   /// The value is missing where the rim is under tension without any tilt.
   std::array<std::optional<double>, 2> tilt_limit_Nm;
   PadElementErrors error;

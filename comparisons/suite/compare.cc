@@ -271,6 +271,7 @@ Cases read_cases(const std::vector<fs::path>& files, const CompareOptions& optio
   for (const fs::path& file : files) {
     input::Case typed = input::read_case(file, options.settings, input::FlatPads::taken);
     input::require_coulomb(typed, "compare");
+    input::refuse_curved_pad(typed, "softfinger compare");
     if (std::holds_alternative<input::PadPair>(typed.geometry)) {
       cases.pads.push_back(typed);
     } else {

@@ -24,6 +24,13 @@ struct ObjectFace {
   double angle_rad = 0;              ///< about its own origin
 };
 
+/// An object that is curved along x and y, without an end: a cylinder (one radius infinite), a
+/// sphere or another quadric, gap x²/(2 R_x) + y²/(2 R_y) about its middle.
+struct CurvedObject {
+  std::array<double, 2> radii_m{};   ///< > 0, not both infinite
+  std::array<double, 2> offset_m{};  ///< of its middle from the pad's
+};
+
 /// Conditions along the face while it is pressed.
 enum class PadPressing {
   frictionless,
@@ -31,7 +38,8 @@ enum class PadPressing {
 };
 
 /// A flat pad: a block of rubber bonded to a rigid backing, its side walls free, pressed by a rigid
-/// flat face. The origin is that of the outline's coordinates; a disc or rectangle lies about it.
+/// flat face, or by a curved object that does not turn. The origin is that of the outline's
+/// coordinates; a disc or rectangle lies about it.
 struct PadProblem {
   std::string name = "pad";
   FlatShape outline;
@@ -39,6 +47,8 @@ struct PadProblem {
   double youngs_modulus_Pa = 0;    ///< > 0
   double poisson_ratio = 0;        ///< 0 to 1/2
   std::optional<ObjectFace> face;  ///< none: a plane that is larger than the pad
+  /// In the place of a flat face: on a rectangle, without friction, no `load_point_m`.
+  std::optional<CurvedObject> object;
   PadPressing pressing = PadPressing::frictionless;
   double load_N = 0;  ///< > 0
   /// The line along which the load acts; none: the one that does not tilt the face.

@@ -10,6 +10,7 @@
 #include "fem/friction/friction_study.h"
 #include "fem/pad/check_pad.h"
 #include "fem/pad/pad_contact.h"
+#include "fem/pad/solve_curved_object.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::fem {
@@ -270,6 +271,7 @@ PadPressure samples(const FaceResponse& face, const Eigen::VectorXd& force, cons
 
 PadResult solve_pad(const PadProblem& problem, const Progress& progress, const StopRequested& stop,
                     PadCache* cache) {
+  if (problem.object) return solve_curved_object(problem, progress, stop);
   const PadPlan plan = plan_pad(problem);
   const Stopwatch watch;
   const PadSolver solver(problem, plan);

@@ -65,6 +65,7 @@ json to_json(const PadProblem& problem, const PadResult& result) {
   output["centre_of_pressure_m"] = result.centre_of_pressure_m;
   output["tilt_rad"] = result.tilt_rad;
   output["area_m2"] = result.finest.area_m2;
+  if (problem.object) output["contact_half_lengths_m"] = result.finest.contact_half_lengths_m;
   output["uniform_arm_m"] = result.uniform_arm_m;
   output["lifted_share"] = result.lifted_share;
   output["pressure"] = {{"x_m", result.pressure.x_m},

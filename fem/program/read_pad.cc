@@ -54,6 +54,13 @@ PadProblem read_pad(const nlohmann::json& input) {
     if (const auto angle = face->find("angle_rad")) object.angle_rad = angle->finite();
     problem.face = object;
   }
+  if (const auto curved = root.find("object")) {
+    CurvedObject object;
+    const std::vector<Entry> radii = curved->at("radii_m").list(2, 2);
+    object.radii_m = {radii[0].radius(), radii[1].radius()};
+    if (const auto offset = curved->find("offset_m")) object.offset_m = read_point(*offset);
+    problem.object = object;
+  }
   if (const auto kinematics = root.find("kinematics"))
     if (kinematics->choice({"linear", "finite"}) == "finite")
       kinematics->refuse("\"linear\": flat pads are not solved at finite strain");

@@ -584,4 +584,77 @@ TEST_F(FlatPad, IsDistinguishedFromAnEllipse) {
   EXPECT_EQ(ellipse["contact"], "ellipse");
 }
 
+constexpr const char* kRollerFinger = "{ roller_radius_mm = 14, length_mm = 28 }";
+
+TEST_F(FlatPad, ARollerIsALineWithEnds) {
+  const ProgramRun run = predict(pad_text(kRollerFinger));
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(lines(run.out)[0].find("by line_layer; line contact 28 x "), std::string::npos)
+      << run.out;
+  const json result = answers(pad_text(kRollerFinger))[0];
+  EXPECT_EQ(result["contact"], "line");
+  EXPECT_EQ(result["pressing"], "frictionless");
+  EXPECT_DOUBLE_EQ(result["a_m"], 14e-3);
+  EXPECT_GT(result["b_m"], 1e-3);
+  EXPECT_TRUE(result["usable"]);
+  // The ends are pressed less than the middle: a quarter of the length at most.
+  EXPECT_LT(result["eccentricity_m"], 7e-3);
+  EXPECT_GT(result["eccentricity_m"], 5.5e-3);
+  EXPECT_TRUE(result["tilt_stiffness_Nm_per_rad"][0].is_null());
+  EXPECT_GT(result["tilt_stiffness_Nm_per_rad"][1], 0);
+  EXPECT_TRUE(result["torsional_stiffness_Nm_per_rad"].is_null());
+  // A roller on an equal one has half of the relative radius, and so has a cylinder on a wide pad.
+  const json two = answers(pad_text(kRollerFinger, "{ cylinder_radius_mm = 14 }"))[0];
+  const json pad = answers(pad_text("{ pad_mm = [28, 40] }", "{ cylinder_radius_mm = 7 }"))[0];
+  for (const char* key : {"b_m", "indentation_m", "eccentricity_m", "normal_stiffness_N_per_m"})
+    EXPECT_NEAR(two[key].get<double>() / pad[key].get<double>(), 1, 1e-9) << key;
+  EXPECT_LT(two["b_m"], result["b_m"]);
+}
+
+TEST_F(FlatPad, ALinesLimitSurfaceEndsAtItsTorque) {
+  for (const json& result : answers(pad_text(kRollerFinger), {"--limit-surface", "200"})) {
+    double largest = 0;
+    for (const json& point : result["limit_surface"])
+      largest = std::max(largest, std::abs(point["torque_Nm"].get<double>()));
+    // Turning about the middle is among the twists only nearly.
+    EXPECT_NEAR(largest / result["max_torque_Nm"].get<double>(), 1, 0.01);
+  }
+}
+
+TEST_F(FlatPad, ASphereFarFromTheWallsIsAnOrdinaryContact) {
+  const std::string sphere = "{ sphere_radius_mm = 10 }";
+  const json on_pad = answers(pad_text("{ pad_mm = [30, 30] }", sphere))[0];
+  const json ordinary =
+      answers(pad_text("{ radii_mm = [inf, inf] }", "{ radii_mm = [10, 10] }"))[0];
+  for (const char* key : {"a_m", "b_m", "indentation_m", "max_torque_Nm"})
+    EXPECT_DOUBLE_EQ(on_pad[key], ordinary[key]) << key;
+  expect_refusal(predict(pad_text("{ pad_mm = [12, 12] }", sphere)), "Type softfinger fem");
+}
+
+TEST_F(FlatPad, RefusesWhatALineIsNotAnsweredFor) {
+  const std::string pad = "{ pad_mm = [28, 40] }", cylinder = "{ cylinder_radius_mm = 7 }";
+  const auto refused = [&](const std::string& finger, const std::string& object,
+                           const std::string& words, const std::string& contact = "") {
+    expect_refusal(predict(pad_text(finger, object, contact)), words);
+  };
+  refused(pad, "{ cylinder_radius_mm = -7 }", "hollow");
+  refused(pad, "{ radii_mm = [7, inf] }", "exchange both sides");
+  refused(pad, "{ radii_mm = [inf, inf] }", "flat = true");
+  refused(pad, "{ cylinder_radius_mm = 7, offset_mm = [0, 30] }", "outside of the pad");
+  refused(pad, cylinder, "without turning", "pressing = \"frictionless\"\nload_at_mm = [1, 0]\n");
+  refused(pad, cylinder, "frictionless", "pressing = \"stuck\"\n");
+  refused("{ pad_diameter_mm = 20 }", cylinder, "rectangle");
+  refused("{ roller_radius_mm = 14 }", "{ flat = true }", "length_mm");
+  refused(kRollerFinger, "{ face_mm = [3, 4] }", "parallel axis");
+  expect_refusal(run_softfinger(start, {"predict", "--radii-mm", "inf,15", "--thickness-mm", "3",
+                                        "--youngs-modulus-kPa", "800", "--poisson-ratio", "0.49",
+                                        "--load", "20"}),
+                 "roller_radius_mm");
+  folder.write("roller.toml", pad_text(kRollerFinger));
+  for (const char* command : {"compare", "select"})
+    expect_refusal(run_softfinger(start, {command, "roller.toml"}), "does not take a roller yet");
+  expect_refusal(run_softfinger(start, {"export", "roller.toml", "--to", "mujoco"}),
+                 "does not take a roller yet");
+}
+
 }  // namespace softfinger::tests

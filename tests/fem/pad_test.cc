@@ -242,5 +242,80 @@ TEST(Pad, RefusesWhatItCannotSolveByName) {
   refused(apart, "face");
 }
 
+/// A rigid object on a pad, h = E = 1, without friction.
+PadProblem under_object(double length_x, double length_y, std::array<double, 2> radii,
+                        double poisson_ratio, double load) {
+  PadProblem problem = pad(rectangle(length_x, length_y), poisson_ratio, PadPressing::frictionless);
+  problem.object = CurvedObject{radii, {}};
+  problem.load_N = load;
+  return problem;
+}
+
+TEST(CurvedObject, ASphereFarFromTheWallsIsThatOfALayerWithoutAnEnd) {
+  const PadResult result = solved(under_object(12, 12, {5, 5}, 0.45, 1));
+  // The exact layer's: circular_layer_contact_at_load (analytic).
+  EXPECT_NEAR(result.finest.indentation_m / 0.174668, 1, 2e-3);
+  EXPECT_NEAR(result.finest.pressure_arm_m / 0.718653, 1, 3e-3);
+  EXPECT_NEAR(result.finest.normal_stiffness_N_per_m / 11.976, 1, 1e-2);
+  EXPECT_NEAR(result.finest.peak_pressure_Pa / 0.335078, 1, 1e-2);
+  EXPECT_NEAR(load_of(result.pressure), 1, 1e-9);
+  // The stated errors cover the actual ones.
+  EXPECT_LT(std::abs(result.finest.indentation_m / 0.174668 - 1), result.error.indentation);
+  EXPECT_LT(std::abs(result.finest.pressure_arm_m / 0.718653 - 1), result.error.pressure_arm);
+}
+
+TEST(CurvedObject, ACylinderIsInPlaneStrainAllAlongWithoutPoissonsRatio) {
+  const PadResult result = solved(under_object(6, 8, {kInfinity, 5}, 0, 1));
+  // line_contact_at_load (analytic) at P' = 1/6.
+  EXPECT_NEAR(result.finest.indentation_m / 0.112336, 1, 2e-3);
+  EXPECT_NEAR(result.finest.normal_stiffness_N_per_m / (6 * 2.13802), 1, 1e-2);
+  EXPECT_NEAR(result.finest.contact_half_lengths_m[0], 3, 1e-12);
+  EXPECT_NEAR(result.finest.contact_half_lengths_m[1] / 0.8826, 1, 0.05);
+  // Tilted about its middle, each piece of the line resists by itself.
+  EXPECT_NEAR(result.finest.tilt_stiffness_Nm_per_rad[1] / (2.13802 * 6 * 36 / 12), 1, 2e-2);
+}
+
+TEST(CurvedObject, FreeEndsTakeLoadFromALineOfRubber) {
+  // Plane strain all along would bear 9 P'; P' has this approach by line_contact (analytic).
+  const double per_length = 0.2142857142857, exact_m = 0.067570;
+  const PadResult result = solved(under_object(9, 8, {kInfinity, 14 / 3.0}, 0.49, 9 * per_length));
+  EXPECT_GT(result.finest.indentation_m, 1.02 * exact_m);
+  EXPECT_LT(result.finest.indentation_m, 1.4 * exact_m);
+  EXPECT_LT(result.finest.pressure_arm_m, 9 / 4.0);
+}
+
+TEST(CurvedObject, LiesBesideTheMiddle) {
+  PadProblem problem = under_object(5, 5, {4, 4}, 0.4, 0.1);
+  const double centred_m = solved(problem).finest.indentation_m;
+  problem.object->offset_m = {0, 1.8};
+  const PadResult beside = solved(problem);
+  EXPECT_GT(beside.finest.indentation_m, 1.005 * centred_m);
+  EXPECT_FALSE(beside.planes.y);
+  EXPECT_TRUE(beside.planes.x);
+  // The pressure leaves the wall.
+  EXPECT_LT(beside.centre_of_pressure_m[1], 1.8);
+  EXPECT_GT(beside.centre_of_pressure_m[1], 1.6);
+}
+
+TEST(CurvedObject, RefusesWhatItDoesNotSolve) {
+  const PadProblem good = under_object(5, 5, {4, 4}, 0.4, 0.1);
+  const auto refuses = [&](const auto& change, const char* field) {
+    PadProblem problem = good;
+    change(problem);
+    try {
+      solved(problem);
+      ADD_FAILURE() << field;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.field(), field);
+    }
+  };
+  refuses([](PadProblem& p) { p.pressing = PadPressing::stuck; }, "pressing");
+  refuses([](PadProblem& p) { p.outline = disc(2); }, "pad.outline.shape");
+  refuses([](PadProblem& p) { p.object->radii_m = {-4, 4}; }, "object.radii_m");
+  refuses([](PadProblem& p) { p.object->radii_m = {kInfinity, kInfinity}; }, "object.radii_m");
+  refuses([](PadProblem& p) { p.object->offset_m = {3, 0}; }, "object.offset_m");
+  refuses([](PadProblem& p) { p.load_point_m = {{0, 0}}; }, "load_point_m");
+}
+
 }  // namespace
 }  // namespace softfinger::fem

@@ -288,6 +288,11 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
   const ConvexOutline& outline = shape.outline();
   const ElasticLayer& layer = problem.layer;
   PadPrediction result;
+  if (problem.cylinder) {
+    result.validity.add({"flat_face", 0, 1, false,
+                         "the object is a cylinder, and this model is for flat faces: line_layer"});
+    return result;
+  }
   const double wide = shape.size_m() / layer.thickness_m;
   result.validity.add({"width_over_thickness", wide, pads::kLeastWidth, false,
                        "the pad is thicker than its closed form was fitted to: it bends and bulges "

@@ -16,7 +16,13 @@ namespace softfinger {
 /// (nu = 0.49); between, stuck is the limit that stiffness and pressure approach.
 enum class PadPressing { stuck, frictionless };
 
-/// A flat pad, bonded to a rigid backing, pressed by a rigid plane. SI.
+/// A rigid cylinder that lies across a rectangular pad, along the outline's x.
+struct CylinderOnPad {
+  double radius_m = 0;  ///< > 0; of a roller on an object: of the gap
+  double offset_m = 0;  ///< of its axis, along y
+};
+
+/// A flat pad, bonded to a rigid backing, pressed by a rigid plane or cylinder. SI.
 struct PadProblem {
   const PadShape* shape = nullptr;  ///< of the contact; not owned
   ElasticLayer layer;               ///< ranges as in contact_problem.h
@@ -24,6 +30,8 @@ struct PadProblem {
   PadPressing pressing = PadPressing::stuck;
   /// The load's place, in the outline's coordinates; none: both faces stay parallel.
   std::optional<Eigen::Vector2d> load_at_m;
+  /// none: a plane. Taken by line_layer alone; without friction, and no `load_at_m`.
+  std::optional<CylinderOnPad> cylinder;
 };
 
 /// All values are finite; zero where the model has no answer. Moments and what belongs to them are
@@ -31,6 +39,7 @@ struct PadProblem {
 struct PadPrediction {
   bool has_answer = false;
   double indentation_m = 0;  ///< approach d of the faces at the outline's centroid
+  double half_width_m = 0;   ///< b of a line contact, in its middle
   double normal_stiffness_N_per_m = 0;
   /// Largest pressure within 0.95 of the way from the centroid to the outline. A stuck rim has no
   /// largest one: linear theory makes it infinite.
@@ -100,8 +109,11 @@ class PadModel {
                      PadPrediction* predictions) const noexcept;
 };
 
-/// pad_layer and pad_uniform.
+/// Those of a flat face: pad_layer and pad_uniform.
 const std::vector<const PadModel*>& all_pad_models();
-const PadModel* find_pad_model(std::string_view name);  ///< or nullptr
+const PadModel* find_pad_model(std::string_view name);  ///< of them, or nullptr
+
+/// That of a cylinder: a line contact with ends.
+const PadModel& line_layer();
 
 }  // namespace softfinger
