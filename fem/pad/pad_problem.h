@@ -38,10 +38,14 @@ enum class PadPressing {
 };
 
 /// A flat pad: a block of rubber bonded to a rigid backing, its side walls free, pressed by a rigid
-/// flat face, or by a curved object that does not turn. The origin is that of the outline's coordinates; a disc or rectangle lies about it.
+/// flat face, or by a curved object that does not turn. The origin is that of the outline's
+/// coordinates; a disc or rectangle lies about it.
 struct PadProblem {
   std::string name = "pad";
   FlatShape outline;
+  /// Of the fillet between face and side walls, which lies outside of `outline` and stays clear; 0
+  /// to 0.9 times the thickness. Below a twentieth of that it is left out.
+  double edge_radius_m = 0;
   double thickness_m = 0;          ///< > 0
   double youngs_modulus_Pa = 0;    ///< > 0
   double poisson_ratio = 0;        ///< 0 to 1/2

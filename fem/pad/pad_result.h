@@ -17,7 +17,7 @@ struct PadLevel {
   int face_nodes = 0;
   double cpu_s = 0;
 
-  double area_m2 = 0;                   ///< that the object covers
+  double area_m2 = 0;  ///< that the object covers
   /// Half-lengths along x and y of the contact with a curved object; 0: a flat one.
   std::array<double, 2> contact_half_lengths_m{};
   double normal_stiffness_N_per_m = 0;  ///< load over approach of a face that does not tilt
