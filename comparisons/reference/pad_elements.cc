@@ -256,6 +256,7 @@ json pad_problem(const input::Case& contact_case, double load_N, int level, int 
   return {{"name", contact_case.id},
           {"pad",
            {{"outline", block_json(contact_case, load_N)},
+            {"edge_radius_m", pair.finger.edge_radius_m},
             {"thickness_m", contact_case.layer.thickness_m},
             {"youngs_modulus_Pa", contact_case.layer.youngs_modulus_Pa},
             {"poisson_ratio", contact_case.layer.poisson_ratio}}},
@@ -271,12 +272,16 @@ json pad_problem(const input::Case& contact_case, double load_N, int level, int 
 
 std::optional<std::string> elements_remark(const input::Case& contact_case) {
   const auto& pair = std::get<input::PadPair>(contact_case.geometry);
-  const auto* sides = std::get_if<input::RectangleFigure>(&pair.finger.figure);
-  if (pair.curved && sides && sides->corner_radius_m > 0)
-    return "corner_radius_mm: under a curved object the elements' block has sharp corners";
-  if (!(pair.finger.edge_radius_m > 0)) return {};
-  return "edge_radius_mm: the elements' block has the outline of the flat face, without the fillet "
-         "around it";
+  constexpr double kLeastFillet = 0.05;
+  const double edge_m = pair.finger.edge_radius_m;
+  if (!(edge_m > 0)) return {};
+  if (pair.covered < 1)
+    return "edge_radius_mm: beside a smaller face the elements' block has the outline of the flat "
+           "face, without the fillet around it";
+  if (edge_m <= kLeastFillet * contact_case.layer.thickness_m)
+    return "edge_radius_mm: a fillet below a twentieth of the thickness is left out by the "
+           "elements";
+  return {};
 }
 
 std::optional<std::string> elements_refusal(const input::Case& contact_case) {
@@ -293,10 +298,17 @@ std::optional<std::string> elements_refusal(const input::Case& contact_case) {
   const auto& corners = pair.contact.vertices_m();
   const bool is_inside = inner && std::all_of(corners.begin(), corners.end(),
                                               [&](const auto& at) { return inner->contains(at); });
-  if (is_inside) return std::nullopt;
-  return "the elements take no face whose edge crosses the pad's outline, or comes nearer to it "
-         "than "
-         "a twentieth of the thickness";
+  const auto has_sharp_sides = [](const input::FlatFigure& figure, double edge_radius_m) {
+    const auto* rectangle = std::get_if<input::RectangleFigure>(&figure);
+    return rectangle && rectangle->corner_radius_m <= edge_radius_m;
+  };
+  constexpr double kStraight = 1e-9;
+  const bool crosses_straight = has_sharp_sides(pair.finger.figure, pair.finger.edge_radius_m) &&
+                                has_sharp_sides(*pair.object.figure, 0) &&
+                                std::abs(std::sin(2 * pair.angle_rad)) < kStraight;
+  if (is_inside || crosses_straight) return std::nullopt;
+  return "where a face's edge crosses the pad's outline, or comes nearer to it than a twentieth of "
+         "the thickness, the elements take rectangles with parallel sides and sharp corners only";
 }
 
 double expected_pad_s(const input::Case& contact_case) {

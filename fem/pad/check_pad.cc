@@ -1,5 +1,6 @@
 #include "fem/pad/check_pad.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -18,6 +19,9 @@ constexpr double narrowest_pad = 0.2, widest_pad = 200;
 /// A face that is longer than this share of its width is nearly a line.
 constexpr double longest_face = 40;
 constexpr int most_corners = 12;
+/// Fillets over the thickness: a smaller one needs cells that small and changes nothing, a larger
+/// one leaves no side wall.
+constexpr double least_fillet = 0.05, largest_fillet = 0.9;
 
 [[noreturn]] void refuse(const PadProblem& problem, const std::string& field,
                          const std::string& value, const std::string& allowed) {
@@ -70,6 +74,11 @@ void check_numbers(const PadProblem& problem) {
   if (!(problem.poisson_ratio >= 0 && problem.poisson_ratio <= 0.5))
     refuse(problem, "pad.poisson_ratio", formatted("%.9g", problem.poisson_ratio),
            "0 <= nu <= 1/2");
+  if (!(problem.edge_radius_m >= 0 &&
+        problem.edge_radius_m <= largest_fillet * problem.thickness_m))
+    refuse(problem, "pad.edge_radius_m", formatted("%g", problem.edge_radius_m),
+           formatted("0 to %g, %g times the thickness", largest_fillet * problem.thickness_m,
+                     largest_fillet));
   require_positive(problem, problem.load_N, "load_N");
   require_positive(problem, problem.friction_coefficient, "friction_coefficient");
   if (problem.level < 1 || problem.level > 3)
@@ -88,6 +97,34 @@ void check_size(const PadProblem& problem, const ConvexOutline& outline, const s
   if (wide > longest_face * narrow)
     refuse(problem, field, formatted("%.4g times as long as wide", wide / narrow),
            formatted("at most %g: longer pads need a plane model", longest_face));
+}
+
+bool is_along_axes(const FlatShape& shape, double angle_rad) {
+  constexpr double straight = 1e-9;
+  return shape.kind == FlatShape::Kind::rectangle && shape.corner_radius_m == 0 &&
+         std::abs(std::sin(2 * angle_rad)) < straight;
+}
+
+/// The part of a rectangular pad that a rectangular face along its sides covers, whose sides are
+/// the pad's or lie far enough inside.
+/// @throws InputError where a side comes near to the pad's
+ConvexOutline common_rectangle(const PadProblem& problem, const ConvexOutline& pad,
+                               const ConvexOutline& face, double least_m) {
+  Eigen::AlignedBox2d whole, covered;
+  for (const Vector2d& corner : pad.corner_points()) whole.extend(corner);
+  for (const Vector2d& corner : face.corner_points()) covered.extend(corner);
+  const Eigen::AlignedBox2d common = whole.intersection(covered);
+  if (common.isEmpty())
+    refuse(problem, "face.offset_m", "beside the pad", "a face that lies over the pad");
+  for (int axis = 0; axis < 2; ++axis)
+    for (const double side : {common.min()[axis], common.max()[axis]}) {
+      const double margin = std::min(side - whole.min()[axis], whole.max()[axis] - side);
+      if (margin > 0 && margin < least_m)
+        refuse(problem, "face", formatted("a side of it comes within %.3g m of the pad's", margin),
+               formatted("sides beyond the pad's, or at least %.3g m inside of them", least_m));
+    }
+  return ConvexOutline::rectangle(common.sizes().x(), common.sizes().y(), 0)
+      .placed(common.center(), 0);
 }
 
 /// Smallest distance of a face's outline from the pad's, inside of it.
@@ -123,16 +160,31 @@ PadPlan plan_pad(const PadProblem& problem) {
                                    .placed(offset, problem.face->angle_rad);
     // A face that covers the pad is a plane.
     if (margin_in(face, pad) < 0) {
-      check_size(problem, face, "face.outline");
       const double margin = margin_in(pad, face);
       constexpr double least = 0.05;  // of the thickness: cells have to fit between
-      if (margin < least * problem.thickness_m)
-        refuse(problem, "face", formatted("its outline comes within %.4g m of the pad's", margin),
-               formatted("a face that covers the pad, or one that stays %g m inside of it",
-                         least * problem.thickness_m));
-      plan.geometry.contact = face;
+      const double least_m = least * problem.thickness_m;
       plan.geometry.pad = pad;
+      if (margin >= least_m) {
+        plan.geometry.contact = face;
+        check_size(problem, face, "face.outline");
+      } else if (is_along_axes(problem.outline, 0) &&
+                 is_along_axes(problem.face->shape, problem.face->angle_rad)) {
+        plan.geometry.contact = common_rectangle(problem, pad, face, least_m);
+        plan.geometry.shares_sides = true;
+        check_size(problem, plan.geometry.contact, "face.outline");
+      } else {
+        refuse(problem, "face",
+               margin < 0 ? "its outline crosses the pad's"
+                          : formatted("its outline comes within %.3g m of the pad's", margin),
+               formatted("a face that covers the pad, one that stays %.3g m inside of it, or "
+                         "rectangles with parallel sides and sharp corners",
+                         least_m));
+      }
     }
+  }
+  if (!plan.geometry.pad && problem.edge_radius_m > least_fillet * problem.thickness_m) {
+    plan.geometry.pad = pad.expanded(problem.edge_radius_m);
+    plan.geometry.edge_radius = problem.edge_radius_m / problem.thickness_m;
   }
   plan.origin_m = plan.geometry.contact.centroid();
   const double scale = 1 / problem.thickness_m;
@@ -141,7 +193,7 @@ PadPlan plan_pad(const PadProblem& problem) {
   };
   const bool symmetric = plan.geometry.contact.is_symmetric() &&
                          (!plan.geometry.pad || plan.geometry.pad->is_symmetric());
-  if (symmetric) plan.geometry.planes = both_planes;
+  if (symmetric && !plan.geometry.shares_sides) plan.geometry.planes = both_planes;
   plan.geometry.contact = in_thicknesses(plan.geometry.contact);
   if (plan.geometry.pad) plan.geometry.pad = in_thicknesses(*plan.geometry.pad);
   if (problem.load_point_m) {

@@ -110,6 +110,12 @@ ConvexOutline ConvexOutline::polygon(std::vector<Eigen::Vector2d> points, const 
   return outline;
 }
 
+ConvexOutline ConvexOutline::expanded(double distance) const {
+  ConvexOutline result = *this;
+  result.rounding_ += distance;
+  return result;
+}
+
 ConvexOutline ConvexOutline::scaled(double factor) const {
   ConvexOutline result = *this;
   for (Eigen::Vector2d& corner : result.corner_) corner *= factor;

@@ -22,7 +22,8 @@ class ConvexOutline {
   static ConvexOutline polygon(std::vector<Eigen::Vector2d> points, const std::string& where,
                                const std::string& field);
 
-  ConvexOutline scaled(double factor) const;  ///< about the origin
+  ConvexOutline scaled(double factor) const;      ///< about the origin
+  ConvexOutline expanded(double distance) const;  ///< by the points that near to it
   /// Turns about the origin, then moves.
   ConvexOutline placed(const Eigen::Vector2d& offset, double angle_rad) const;
 

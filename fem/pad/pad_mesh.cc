@@ -7,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "fem/pad/grid_mesh.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -314,6 +315,41 @@ FaceCells divide(std::vector<FaceBlock> blocks, double size) {
   return face;
 }
 
+/// Lines along a side of the pad, dense towards both ends of the contact.
+Lines lines_with_contact(double pad_low, double pad_high, double low, double high, int cells) {
+  Lines lines;
+  const auto add = [&](double from, double to, const Lines& shares) {
+    for (const double share : shares)
+      if (lines.empty() || share > 0) lines.push_back(from + share * (to - from));
+  };
+  if (low > pad_low) add(pad_low, low, towards_end(cells));
+  add(low, (low + high) / 2, from_begin(cells));
+  add((low + high) / 2, high, towards_end(cells));
+  if (high < pad_high) add(high, pad_high, from_begin(cells));
+  return lines;
+}
+
+PlacedMesh mesh_crossed(const PadGeometry& geometry, const PadCells& cells) {
+  const auto box_of = [](const ConvexOutline& outline) {
+    Eigen::AlignedBox2d box;
+    for (const Vector2d& corner : outline.corner_points()) box.extend(corner);
+    return box;
+  };
+  const Eigen::AlignedBox2d pad = box_of(*geometry.pad), contact = box_of(geometry.contact);
+  const auto lines = [&](int axis) {
+    return lines_with_contact(pad.min()[axis], pad.max()[axis], contact.min()[axis],
+                              contact.max()[axis], cells.across);
+  };
+  return grid_mesh(lines(0), lines(1), depth_lines(cells.deep), contact);
+}
+
+/// Height of a fillet's surface above the bond, over that of the face.
+double height_at(const PadGeometry& geometry, const Vector2d& at) {
+  const double r = geometry.edge_radius;
+  const double beyond = std::clamp(geometry.contact.distance(at), 0.0, r);
+  return 1 - (r - std::sqrt(r * r - beyond * beyond));
+}
+
 /// Refuses cells that the map turns inside out, at a corner where they are worst.
 void require_regular(const FaceCells& face) {
   for (const FaceCell& cell : face.cells) {
@@ -348,6 +384,7 @@ PadCells cells_of_level(const PadGeometry& geometry, int level) {
 }
 
 PlacedMesh mesh_pad(const PadGeometry& geometry, const PadCells& cells) {
+  if (geometry.shares_sides) return mesh_crossed(geometry, cells);
   const ConvexOutline& outermost = geometry.pad ? *geometry.pad : geometry.contact;
   const auto face = std::make_shared<const FaceCells>(
       [&] { return divide(FaceBlocks(geometry, cells).take(), outermost.largest_width()); }());
@@ -355,9 +392,11 @@ PlacedMesh mesh_pad(const PadGeometry& geometry, const PadCells& cells) {
   const Lines depths = depth_lines(cells.deep);
   PlacedMesh mesh;
   const auto in_layer = static_cast<unsigned int>(face->vertices.size());
+  const auto placed = [geometry](const Vector2d& at, double z) -> Eigen::Vector3d {
+    return {at.x(), at.y(), geometry.edge_radius > 0 ? (z + 1) * height_at(geometry, at) - 1 : z};
+  };
   for (const double z : depths)
-    for (const Vector2d& vertex : face->vertices)
-      mesh.vertices.emplace_back(vertex.x(), vertex.y(), z);
+    for (const Vector2d& vertex : face->vertices) mesh.vertices.push_back(placed(vertex, z));
   for (unsigned int layer = 0; layer + 1 < depths.size(); ++layer)
     for (const FaceCell& cell : face->cells) {
       std::array<unsigned int, 8> vertices{};
@@ -369,12 +408,13 @@ PlacedMesh mesh_pad(const PadGeometry& geometry, const PadCells& cells) {
       mesh.touched.push_back(layer + 2 == depths.size() && face->blocks[cell.block].touched);
     }
   mesh.curved = geometry.contact.is_rounded() || geometry.pad;
-  mesh.place = [face, depths](std::size_t number, const Eigen::Vector3d& unit) -> Eigen::Vector3d {
+  mesh.place = [face, depths, placed](std::size_t number,
+                                      const Eigen::Vector3d& unit) -> Eigen::Vector3d {
     const FaceCell& cell = face->cells[number % face->cells.size()];
     const std::size_t layer = number / face->cells.size();
     const Vector2d in_block = cell.low + unit.head<2>().cwiseProduct(cell.high - cell.low);
     const Vector2d at = face->blocks[cell.block].place(in_block.x(), in_block.y());
-    return {at.x(), at.y(), depths[layer] + unit.z() * (depths[layer + 1] - depths[layer])};
+    return placed(at, depths[layer] + unit.z() * (depths[layer + 1] - depths[layer]));
   };
   return mesh;
 }

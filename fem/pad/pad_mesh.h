@@ -32,6 +32,10 @@ struct PadGeometry {
   /// touches the whole face.
   std::optional<ConvexOutline> pad;
   MirrorPlanes planes;  ///< of both: a quarter is meshed, or the whole
+  /// Rectangles along x and y, whose contact shares sides with the pad: meshed as a grid.
+  bool shares_sides = false;
+  /// Of the fillet around the face, from the contact's outline to the pad's; 0: none.
+  double edge_radius = 0;
 };
 
 /// Cells along the lines of a mesh. Each level has about 1.6 times as many as the one before it.

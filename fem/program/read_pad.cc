@@ -46,7 +46,7 @@ PadProblem read_pad(const nlohmann::json& input) {
   problem.youngs_modulus_Pa = pad.at("youngs_modulus_Pa").positive();
   problem.poisson_ratio = pad.at("poisson_ratio").number(0, 0.5, "a number from 0 to 0.5");
   if (const auto edge = pad.find("edge_radius_m"))
-    edge->number(0, 0, "0: rounded edges of the face are not solved for");
+    problem.edge_radius_m = edge->number(0, 1e300, "a finite number from 0 on");
   if (const auto face = root.find("face")) {
     ObjectFace object;
     object.shape = read_shape(face->at("outline"));
