@@ -32,8 +32,8 @@ std::string error_words(const std::optional<double>& error) {
 std::string first_line(const PadElements& pad, const PadAnswer& model) {
   const auto& half_m = pad.contact_half_lengths_m;
   const bool is_curved = half_m[0] > 0;
-  const Eigen::Vector2d extent_mm = is_curved ? Eigen::Vector2d(2e3 * half_m[0], 2e3 * half_m[1])
-                                              : 1e3 * model.problem.shape->outline().extent_m();
+  const Eigen::Vector2d extent_mm =
+      is_curved ? Eigen::Vector2d(2e3 * half_m[0], 2e3 * half_m[1]) : 1e3 * model.face.extent_m();
   return fmt::format(
       "{:g} N: torque {:.4g} mN·m {}, by finite elements; {} contact {:.3g} x {:.3g} mm{}; e_n "
       "{:.4g} mm\n",
@@ -137,7 +137,7 @@ int fem_pad(const PadFemQuestion& question, const input::Case& contact_case) {
       progress.fail("softfinger: error: " + title(load) + ": " + solutions[load].failure);
       return solutions[load].exit_status;
     }
-  const PadShape shape(pair.contact);
+  const PadShape shape(prediction::bearing_outline(contact_case));
   std::string answers, evidence;
   json results = json::array();
   for (std::size_t load = 0; load < solutions.size(); ++load) {

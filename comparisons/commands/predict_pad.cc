@@ -174,7 +174,7 @@ int predict_pad(const PadQuestion& question, const input::Case& contact_case) {
   const PadPair& pair = pads_of(contact_case);
   const auto models =
       prediction::pad_models_by_name(question.models, pair.curved && pair.curved->is_cylinder());
-  const PadShape shape(pair.contact);
+  const PadShape shape(prediction::bearing_outline(contact_case));
   const double budget_ns = 3e5 / double(models.size() * contact_case.loads_N.size());
   nlohmann::json results = nlohmann::json::array();
   std::string first_lines, blocks, surfaces;

@@ -303,7 +303,7 @@ int run_pad(const input::Case& contact_case, SelectOptions options) {
   if (std::none_of(without_axes.begin(), without_axes.end(), [](bool wanted) { return wanted; }))
     throw InputError("command line", "--quantities", options.demand.quantities,
                      "indentation, area, peak_pressure, max_torque: a flat pad has no semi-axes");
-  const PadShape shape(std::get<input::PadPair>(contact_case.geometry).contact);
+  const PadShape shape(prediction::bearing_outline(contact_case));
   std::vector<judgement::Choice> choices;
   std::string first_lines, tables;
   for (std::size_t load = 0; load < contact_case.loads_N.size(); ++load) {

@@ -10,7 +10,7 @@
 namespace softfinger::exporting {
 
 std::array<double, 2> PadContact::tipping_half_lengths_m() const {
-  const ConvexOutline& outline = shape->outline();
+  const ConvexOutline& outline = answer.face;
   const Eigen::Vector2d half_m = outline.extent_m() / 2;
   const auto& vertices = outline.vertices_m();
   double scale = 1;
@@ -34,7 +34,7 @@ PadContact ask_pad_contact(const input::Case& contact_case, double load_N,
                            const prediction::Demand& demand) {
   const auto& pair = std::get<input::PadPair>(contact_case.geometry);
   PadContact made;
-  made.shape = std::make_unique<PadShape>(pair.contact);
+  made.shape = std::make_unique<PadShape>(prediction::bearing_outline(contact_case));
   const PadModel& model = *find_pad_model("pad_layer");
   made.answer = prediction::ask_pad_model(model, contact_case, *made.shape, load_N, demand, 0);
   made.contact = soft_pad(model, made.answer.problem, made.answer.prediction);

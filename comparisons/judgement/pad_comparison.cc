@@ -61,7 +61,7 @@ std::pair<double, double> reach_m(const ConvexOutline& outline, int axis) {
 PressureProfile model_profile(const PadAnswer& answer, int axis) {
   constexpr int kPoints = 81;
   constexpr double kJustInside = 1 - 1e-6;  // a point of the outline itself may count as outside
-  const ConvexOutline& outline = answer.problem.shape->outline();
+  const ConvexOutline& outline = answer.face;
   const auto [back_m, front_m] = reach_m(outline, axis);
   PressureProfile profile;
   for (int i = 0; i < kPoints; ++i) {
@@ -219,8 +219,7 @@ PadCaseComparison compare_pad(const input::Case& contact_case,
                               std::vector<reference::PadSolution> solutions, double tolerance) {
   PadCaseComparison compared;
   compared.contact_case = &contact_case;
-  compared.shape =
-      std::make_unique<const PadShape>(std::get<input::PadPair>(contact_case.geometry).contact);
+  compared.shape = std::make_unique<const PadShape>(prediction::bearing_outline(contact_case));
   for (std::size_t load = 0; load < solutions.size(); ++load)
     compared.loads.push_back(compare_pad_load(contact_case, *compared.shape,
                                               contact_case.loads_N[load],

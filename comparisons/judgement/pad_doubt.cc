@@ -24,9 +24,8 @@ std::optional<InputDoubt> pad_doubt(const input::Case& contact_case, const PadAn
                                     std::size_t load) {
   if (contact_case.doubts.empty() || !answer.prediction.has_answer) return std::nullopt;
   const auto numbers_of = [](const PadAnswer& of) -> std::array<double, 5> {
-    return {of.prediction.indentation_m, of.problem.shape->outline().area_m2(),
-            of.prediction.peak_pressure_Pa, of.friction_ellipsoid().max_torque_Nm(),
-            of.prediction.eccentricity_m};
+    return {of.prediction.indentation_m, of.area_m2(), of.prediction.peak_pressure_Pa,
+            of.friction_ellipsoid().max_torque_Nm(), of.prediction.eccentricity_m};
   };
   constexpr std::size_t kTorque = 3;
   const auto here = numbers_of(answer);
@@ -40,7 +39,7 @@ std::optional<InputDoubt> pad_doubt(const input::Case& contact_case, const PadAn
     for (const double value : {doubt.lower, doubt.upper}) {
       try {
         const input::Case moved = with_value(contact_case, doubt, value);
-        const PadShape shape(std::get<input::PadPair>(moved.geometry).contact);
+        const PadShape shape(prediction::bearing_outline(moved));
         const auto there = numbers_of(asked_again(answer, moved, shape, moved.loads_N[load]));
         for (std::size_t n = 0; n < there.size(); ++n)
           largest[n] = std::max(largest[n], std::abs(there[n] / here[n] - 1));

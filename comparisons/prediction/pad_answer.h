@@ -29,6 +29,7 @@ struct PadAnswer {
   bool usable = false;  ///< the demanded quantities of a pad are within the tolerance
   double cost_ns = 0;
 
+  ConvexOutline face = ConvexOutline::disc(1);  ///< where pad and object overlap
   /// The pad's contact; under a cylinder the rectangle of its length and 2 b.
   ConvexOutline contact() const;
   FrictionEllipsoid friction_ellipsoid() const {
@@ -48,7 +49,13 @@ struct PadAnswer {
 std::vector<const PadModel*> pad_models_by_name(const std::string& names,
                                                 bool under_cylinder = false);
 
-/// @param shape     of the case's contact; outlives the answer
+/// The outline of a pad without a fillet that bears as the case's own does: rubber beside the face
+/// helps to carry. With r the fillet's radius it lies further out by 0.95 r/(1 + 1.75 r/h), which
+/// was fitted to the arms of finite elements of rectangles; without a fillet, and beside a smaller
+/// face, it is the contact.
+ConvexOutline bearing_outline(const input::Case& contact_case);
+
+/// @param shape     of the case's `bearing_outline`; outlives the answer
 /// @param budget_ns  time for repeated calls that measure the cost
 PadAnswer ask_pad_model(const PadModel& model, const input::Case& contact_case,
                         const PadShape& shape, double load_N, const Demand& demand,

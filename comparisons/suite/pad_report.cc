@@ -114,7 +114,7 @@ std::string model_row_of_pad(const std::string& head, const PadModelComparison& 
   const auto error = [&](double PadModelErrors::*which) {
     return model.errors ? std::optional((*model.errors).*which) : std::nullopt;
   };
-  const double area_m2 = model.answer.problem.shape->outline().area_m2();
+  const double area_m2 = model.answer.area_m2();
   return head + "," + text::csv_cell(std::string(model.answer.model->card().name)) + "," +
          (model.judgement == judgement::Judgement::usable ? "yes" : "no") +
          cells({{},

@@ -62,7 +62,7 @@ class PadAtPoint : public ContactAtPoint {
         demand_(demand) {}
 
   void append_answers(double load_N, std::string& text) override {
-    const ConvexOutline& outline = shape_->outline();
+    const ConvexOutline& outline = pair_.contact;
     append_number(outline.area_m2(), text);
     append_number(outline.area_m2() / outline.perimeter_m() / case_.layer.thickness_m, text);
     for (const PadModel* model : models_) {
@@ -147,7 +147,8 @@ class SweptPad : public SweptContact {
   std::vector<std::string> remarks() const override { return remarks_; }
   std::unique_ptr<ContactAtPoint> at(const input::Case& contact_case) const override {
     const auto& pair = std::get<input::PadPair>(contact_case.geometry);
-    return std::make_unique<PadAtPoint>(contact_case, shapes_.of(pair.contact), models_, demand_);
+    return std::make_unique<PadAtPoint>(
+        contact_case, shapes_.of(prediction::bearing_outline(contact_case)), models_, demand_);
   }
 
  private:

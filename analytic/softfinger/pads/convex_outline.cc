@@ -237,4 +237,18 @@ std::optional<ConvexOutline> ConvexOutline::shrunk(double distance_m) const {
   return result;
 }
 
+ConvexOutline ConvexOutline::expanded(double distance_m) const {
+  const std::size_t count = vertices_m_.size();
+  const auto outward = [&](std::size_t side) -> Vector2d {
+    const Vector2d along = vertices_m_[(side + 1) % count] - vertices_m_[side % count];
+    return Vector2d(along.y(), -along.x()).normalized();
+  };
+  std::vector<Vector2d> moved;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector2d before = outward(i + count - 1), after = outward(i);
+    moved.push_back(vertices_m_[i] + distance_m / (1 + before.dot(after)) * (before + after));
+  }
+  return ConvexOutline(std::move(moved));
+}
+
 }  // namespace softfinger

@@ -45,6 +45,8 @@ class ConvexOutline {
   std::optional<ConvexOutline> common_with(const ConvexOutline& other) const;
   /// The outline that lies everywhere `distance_m` further inside; null where nothing is left.
   std::optional<ConvexOutline> shrunk(double distance_m) const;
+  /// The outline whose sides lie `distance_m` >= 0 further outside, with sharp corners.
+  ConvexOutline expanded(double distance_m) const;
 
  private:
   explicit ConvexOutline(std::vector<Eigen::Vector2d> counter_clockwise_m);
