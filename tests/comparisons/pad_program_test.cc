@@ -143,6 +143,12 @@ TEST_F(FlatPad, TouchesWherePadAndFaceOverlap) {
   // The fillet of the pad's edge does not touch.
   const json filleted = answers(pad_text("{ pad_mm = [22, 37.5], edge_radius_mm = 0.5 }"))[0];
   EXPECT_NEAR(filleted["area_m2"].get<double>(), 21e-3 * 36.5e-3, 1e-12);
+  // Its rubber helps to carry: between a pad of the flat face alone and one of the whole.
+  const json flat = answers(pad_text("{ pad_mm = [21, 36.5] }"))[0],
+             whole = answers(pad_text("{ pad_mm = [22, 37.5] }"))[0];
+  EXPECT_GT(filleted["eccentricity_m"], flat["eccentricity_m"]);
+  EXPECT_LT(filleted["eccentricity_m"], whole["eccentricity_m"]);
+  EXPECT_GT(filleted["error_bound"]["max_torque"], flat["error_bound"]["max_torque"]);
   // A face that covers the pad counts as a plane.
   const json covered = answers(pad_text("{ pad_diameter_mm = 20 }", "{ face_mm = [30, 30] }"))[0];
   EXPECT_TRUE(covered["usable"]);
@@ -464,9 +470,11 @@ TEST_F(FlatPad, GetsTheCheapestModelThatIsAccurateEnough) {
   // The pressure on foam is uniform.
   EXPECT_EQ(chosen({"--tolerance", "0.01", "--set", "layer.poisson_ratio=0"})["model"],
             "pad_layer");
-  // The elements refuse a face that crosses the pad's outline, and the models know no bound.
-  const json crossed = chosen({"--set", "geometry.object={ face_mm = [10, 50] }"});
+  // The elements refuse a face that crosses the pad's outline at an angle, and the models know no
+  // bound.
+  const json crossed = chosen({"--set", "geometry.object={ face_mm = [10, 50], angle_deg = 10 }"});
   EXPECT_TRUE(crossed["model"].is_null());
+  EXPECT_EQ(chosen({"--set", "geometry.object={ face_mm = [10, 50] }"})["model"], "fem");
   EXPECT_EQ(chosen({"--set", "geometry.object={ face_mm = [10, 20] }"})["model"], "fem");
   const ProgramRun words = select({"--tolerance", "0.1", "--output", "page"});
   EXPECT_EQ(words.status, 0) << words.err;

@@ -242,6 +242,75 @@ TEST(Pad, RefusesWhatItCannotSolveByName) {
   refused(apart, "face");
 }
 
+// Rubber around the face helps to carry it: less than a block does that is larger all over.
+TEST(Pad, BearsMoreWithAFillet) {
+  for (const double nu : {0.3, 0.49}) {
+    PadProblem problem = pad(rectangle(4, 3), nu, PadPressing::frictionless);
+    const PadResult plain = solved(problem);
+    problem.edge_radius_m = 0.04;  // too small to count
+    EXPECT_EQ(solved(problem).finest.normal_stiffness_N_per_m,
+              plain.finest.normal_stiffness_N_per_m);
+    double below = plain.finest.normal_stiffness_N_per_m, arm_below = plain.finest.eccentricity_m;
+    for (const double radius : {0.1, 0.3, 0.6}) {
+      problem.edge_radius_m = radius;
+      const PadResult result = solved(problem);
+      EXPECT_NEAR(result.finest.area_m2, 12, 1e-9);
+      EXPECT_NEAR(load_of(result.pressure), 1, 1e-9);
+      EXPECT_GT(result.finest.normal_stiffness_N_per_m, below);
+      EXPECT_GT(result.finest.eccentricity_m, arm_below);
+      below = result.finest.normal_stiffness_N_per_m;
+      arm_below = result.finest.eccentricity_m;
+      // A block that reaches as far out, with straight walls.
+      PadProblem larger =
+          pad(rectangle(4 + 2 * radius, 3 + 2 * radius, radius), nu, PadPressing::frictionless);
+      larger.face = ObjectFace{rectangle(4, 3), {}, 0};
+      const PadResult block = solved(larger);
+      EXPECT_LT(below, block.finest.normal_stiffness_N_per_m);
+      EXPECT_LT(arm_below, block.finest.eccentricity_m);
+    }
+  }
+  PadProblem wrong = pad(rectangle(4, 3), 0.3, PadPressing::frictionless);
+  wrong.edge_radius_m = 0.95;
+  EXPECT_NE(refusal_of(wrong).find("edge_radius_m = 0.95"), std::string::npos);
+}
+
+// The edge of a box within a pad: the grid against the blocks around a face that just stays inside.
+TEST(Pad, TakesRectanglesThatCrossItsOutline) {
+  PadProblem problem = pad(rectangle(6, 4), 0.45, PadPressing::frictionless);
+  problem.face = ObjectFace{rectangle(3, 40), {0.5, 0}, 0};
+  const PadResult strip = solved(problem);
+  EXPECT_NEAR(strip.finest.area_m2, 12, 1e-9);
+  EXPECT_NEAR(load_of(strip.pressure), 1, 1e-9);
+  PadProblem inside = problem;
+  inside.face = ObjectFace{rectangle(3, 3.9), {0.5, 0}, 0};
+  const PadResult almost = solved(inside);
+  EXPECT_NEAR(almost.finest.normal_stiffness_N_per_m / strip.finest.normal_stiffness_N_per_m, 1,
+              0.03);
+  EXPECT_NEAR(almost.finest.eccentricity_m / strip.finest.eccentricity_m, 1, 0.03);
+  // A corner of the pad is covered; the same corner by another turn of everything.
+  problem.face = ObjectFace{rectangle(6, 4), {2, 1}, 0};
+  const PadResult corner = solved(problem);
+  EXPECT_NEAR(corner.finest.area_m2, 4 * 3, 1e-9);
+  PadProblem turned = pad(rectangle(4, 6), 0.45, PadPressing::frictionless);
+  turned.face = ObjectFace{rectangle(6, 4), {-1, 2}, kPi / 2};
+  const PadResult other = solved(turned);
+  EXPECT_NEAR(other.finest.normal_stiffness_N_per_m / corner.finest.normal_stiffness_N_per_m, 1,
+              1e-8);
+  EXPECT_NEAR(other.finest.eccentricity_m / corner.finest.eccentricity_m, 1, 1e-8);
+  EXPECT_NEAR(other.centre_of_pressure_m[1], corner.centre_of_pressure_m[0], 1e-8);
+  // Finer meshes stay within the stated errors.
+  problem.level = 2;
+  const PadResult finer = solved(problem);
+  EXPECT_NEAR(finer.finest.normal_stiffness_N_per_m / corner.finest.normal_stiffness_N_per_m, 1,
+              corner.error.normal_stiffness);
+  EXPECT_NEAR(finer.finest.eccentricity_m / corner.finest.eccentricity_m, 1,
+              corner.error.eccentricity);
+  problem.face->angle_rad = 0.1;
+  EXPECT_NE(refusal_of(problem).find("crosses the pad's"), std::string::npos);
+  problem.face = ObjectFace{rectangle(6, 40), {0.02, 0}, 0};
+  EXPECT_NE(refusal_of(problem).find("within 0.02 m"), std::string::npos);
+}
+
 /// A rigid object on a pad, h = E = 1, without friction.
 PadProblem under_object(double length_x, double length_y, std::array<double, 2> radii,
                         double poisson_ratio, double load) {

@@ -209,7 +209,7 @@ TEST(ReadPad, ValuesOutOfRangeAreRefusedByTheirKey) {
                           {"/pad/outline/lengths_m", "pad.outline.lengths_m", {1}},
                           {"/pad/thickness_m", "pad.thickness_m", -1},
                           {"/pad/poisson_ratio", "pad.poisson_ratio", 0.6},
-                          {"/pad/edge_radius_m", "pad.edge_radius_m", 0.001},
+                          {"/pad/edge_radius_m", "pad.edge_radius_m", -0.001},
                           {"/face/outline/points_m", "face.outline.points_m", {{0, 0}, {1, 1}}},
                           {"/pressing", "pressing is missing", nullptr},
                           {"/pressing", "pressing", "glued"},

@@ -245,7 +245,7 @@ const PadModel& line_layer() {
         "b/h from 0.02 to 7, length at least 2.5 (h + b), side walls at least three thicknesses "
         "from "
         "the contact, strain to 0.1, nu to 0.4999";
-    card.cost = "about 5 microseconds";
+    card.cost = "about 9 microseconds";
     return LineLayerModel(card);
   }();
   return model;

@@ -41,7 +41,7 @@ void widen_by_lift_off(double lifted_share, PadPressing pressing, PadErrors& bou
     bound.indentation = bound.peak_pressure = bound.pressure_arm = kNaN;
 }
 
-/// Bounds of line_layer. On 22 finite-element runs that nothing was fitted to, within its validity
+/// Bounds of line_layer. On 23 finite-element runs that nothing was fitted to, within its validity
 /// but for the strain (nu 0.1 to 0.4995, b/h 0.08 to 5.5), the largest errors are 0.44 % (d), 1.0 %
 /// (stiffness), 0.56 % (arm), 1.9 % (tilt stiffness) and 3.3 % (peak); on the 24 runs of the fit
 /// 0.55, 1.9, 0.85, 3.2 and 8 %. A side wall at two thicknesses takes up to 3.4 % of the stiffness
