@@ -83,7 +83,7 @@ std::string answer_in_words(const report::PadStart& start) {
   const PadModel& model = *all_pad_models().front();
   const PadShape shape(start.pair.contact);
   const PadPrediction answer =
-      model.predict({&shape, start.layer, start.load, start.pair.pressing, {}});
+      model.predict({&shape, start.layer, start.load, start.pair.pressing, {}, {}});
   const ContactLoad& load = start.load;
   if (!answer.has_answer) return no_answer(start.case_name, load.normal_force_N);
   return torque_in_words(start.case_name, load.normal_force_N,

@@ -32,7 +32,6 @@ std::array<double, 2> PadContact::lift_off_half_lengths_m() const {
 
 PadContact ask_pad_contact(const input::Case& contact_case, double load_N,
                            const prediction::Demand& demand) {
-  const auto& pair = std::get<input::PadPair>(contact_case.geometry);
   PadContact made;
   made.shape = std::make_unique<PadShape>(prediction::bearing_outline(contact_case));
   const PadModel& model = *find_pad_model("pad_layer");

@@ -454,7 +454,7 @@ void refuse_curved_pad(const Case& contact_case, const std::string& command) {
   throw InputError(contact_case.geometry_where,
                    command + " does not take " +
                        (pair->is_roller ? "a roller" : "a curved object on a flat pad") +
-                       " yet: softfinger predict and fem do",
+                       " yet: softfinger predict and fem do, and compare for a line",
                    "", "");
 }
 

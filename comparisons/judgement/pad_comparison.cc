@@ -38,7 +38,8 @@ PadModelErrors pad_errors(const PadAnswer& answer, const PadElements& elements) 
   // Both carry mu P.
   errors.max_torque = error(prediction.eccentricity_m, elements.eccentricity_m);
   errors.peak_pressure = error(prediction.peak_pressure_Pa, elements.peak_pressure_Pa);
-  errors.tilt_stiffness = farther_off(tilt(0), tilt(1));
+  // About its own axis a cylinder rolls: no stiffness of a line is stated there.
+  errors.tilt_stiffness = answer.problem.cylinder ? tilt(1) : farther_off(tilt(0), tilt(1));
   return errors;
 }
 
@@ -61,7 +62,7 @@ std::pair<double, double> reach_m(const ConvexOutline& outline, int axis) {
 PressureProfile model_profile(const PadAnswer& answer, int axis) {
   constexpr int kPoints = 81;
   constexpr double kJustInside = 1 - 1e-6;  // a point of the outline itself may count as outside
-  const ConvexOutline& outline = answer.face;
+  const ConvexOutline outline = answer.contact();
   const auto [back_m, front_m] = reach_m(outline, axis);
   PressureProfile profile;
   for (int i = 0; i < kPoints; ++i) {
@@ -126,7 +127,10 @@ PadComparison compare_pad_load(const input::Case& contact_case, const PadShape& 
     load.along_x = elements_profile(*load.elements, shape.outline(), 0);
     load.along_y = elements_profile(*load.elements, shape.outline(), 1);
   }
-  for (const PadModel* model : all_pad_models())
+  const auto models = std::get<input::PadPair>(contact_case.geometry).curved
+                          ? std::vector<const PadModel*>{&line_layer()}
+                          : all_pad_models();
+  for (const PadModel* model : models)
     load.models.push_back(compare_pad_model(*model, contact_case, shape, load, tolerance));
   return load;
 }

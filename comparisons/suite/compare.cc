@@ -271,7 +271,10 @@ Cases read_cases(const std::vector<fs::path>& files, const CompareOptions& optio
   for (const fs::path& file : files) {
     input::Case typed = input::read_case(file, options.settings, input::FlatPads::taken);
     input::require_coulomb(typed, "compare");
-    input::refuse_curved_pad(typed, "softfinger compare");
+    // A line has a model to be judged; what else is curved has the elements alone.
+    if (const auto* pad = std::get_if<input::PadPair>(&typed.geometry);
+        pad && pad->curved && !pad->curved->is_cylinder())
+      input::refuse_curved_pad(typed, "softfinger compare");
     if (std::holds_alternative<input::PadPair>(typed.geometry)) {
       cases.pads.push_back(typed);
     } else {

@@ -146,7 +146,6 @@ class SweptPad : public SweptContact {
   std::string recommended() const override { return std::string(cards_.front()->name); }
   std::vector<std::string> remarks() const override { return remarks_; }
   std::unique_ptr<ContactAtPoint> at(const input::Case& contact_case) const override {
-    const auto& pair = std::get<input::PadPair>(contact_case.geometry);
     return std::make_unique<PadAtPoint>(
         contact_case, shapes_.of(prediction::bearing_outline(contact_case)), models_, demand_);
   }
