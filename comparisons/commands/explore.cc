@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,6 +11,7 @@
 #include "comparisons/explorer/explorer.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/prediction/local_geometry.h"
+#include "comparisons/prediction/pad_answer.h"
 #include "comparisons/report/explorer_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -31,6 +33,24 @@ using Start = std::variant<std::monostate, report::ExplorerStart, report::PadSta
 
 /// The contact of a case at its middle load.
 /// @throws InputError for what the page does not know
+/// The page has no fillet: it gets the pad without one that bears alike.
+input::PadPair bearing_pair(const input::Case& contact_case) {
+  auto pair = std::get<input::PadPair>(contact_case.geometry);
+  if (!(pair.finger.edge_radius_m > 0)) return pair;
+  const ConvexOutline bearing = prediction::bearing_outline(contact_case);
+  const Eigen::Vector2d extent_m = bearing.extent_m();
+  if (auto* rectangle = std::get_if<input::RectangleFigure>(&pair.finger.figure))
+    *rectangle = {extent_m.x(), extent_m.y(),
+                  std::max(0.0, rectangle->corner_radius_m - pair.finger.edge_radius_m)};
+  else if (auto* disc = std::get_if<input::DiscFigure>(&pair.finger.figure))
+    disc->diameter_m = extent_m.x();
+  else
+    pair.finger.figure = input::OutlineFigure{bearing.vertices_m()};
+  pair.finger.edge_radius_m = 0;
+  pair.pad = pair.contact = bearing;
+  return pair;
+}
+
 Start start_of(const CaseInput& typed) {
   const bool is_typed = !typed.file.empty() || !typed.radii_mm.empty() || !typed.pad_mm.empty() ||
                         !typed.pad_diameter_mm.empty();
@@ -42,8 +62,9 @@ Start start_of(const CaseInput& typed) {
       throw InputError(pair->load_at_where, "load_at_mm", "",
                        "no such key for explore, whose load "
                        "acts in the middle of the pad");
+    input::refuse_curved_pad(contact_case, "softfinger explore");
     return report::PadStart{name,
-                            *pair,
+                            bearing_pair(contact_case),
                             contact_case.layer,
                             {exporting::choose_loads(contact_case.loads_N, {}).nominal_N,
                              contact_case.shear_law.friction_coefficient}};

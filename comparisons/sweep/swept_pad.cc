@@ -126,6 +126,7 @@ class SweptPad : public SweptContact {
  public:
   SweptPad(const Sweep& sweep, const prediction::Demand& demand)
       : demand_(demand), models_(models_of_pad(sweep)) {
+    input::refuse_curved_pad(sweep.base(), "softfinger sweep");
     for (const PadModel* model : models_) cards_.push_back(&model->card());
     if (sweep.fem())
       if (const auto left_out = reference::elements_remark(sweep.base()))
