@@ -302,18 +302,20 @@ bool is_pad(const Json& report_case) { return text(report_case, "contact") == "p
 
 Html pads_summary(const Json& pads) {
   if (pads.empty()) return "";
-  const std::string& first = "pad_layer";
   int loads = 0, usable = 0;
+  std::vector<Html> names;
   double torque = 0, stiffness = 0;
   std::vector<Html> open;
   for (const Json& pad : pads)
     for (const Json& load : child(pad, "loads")) {
       ++loads;
-      bool is_usable = false;
-      for (const Json& model : child(load, "models")) {
-        if (text(model, "model") != first || !flag(model, "usable")) continue;
-        const Json& errors = child(model, "relative_error");
-        is_usable = true;
+      // The first model is the default.
+      const Json& models = child(load, "models");
+      const bool is_usable = !models.empty() && flag(models.front(), "usable");
+      if (is_usable) {
+        const Json& errors = child(models.front(), "relative_error");
+        const Html name = html("<b>{}</b>", label(text(models.front(), "model")));
+        if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
         torque = std::max(torque, std::abs(number(errors, "max_torque").value_or(0)));
         stiffness = std::max(stiffness, std::abs(number(errors, "normal_stiffness").value_or(0)));
       }
@@ -324,7 +326,7 @@ Html pads_summary(const Json& pads) {
     }
   Html words = "Flat pads: ";
   if (usable > 0)
-    words += html("use <b>{}</b> {}: torque within {}, stiffness within {}. ", label(first),
+    words += html("use {} {}: torque within {}, stiffness within {}. ", joined(names, " or "),
                   usable == loads ? Html("everywhere") : html("at {} of {} loads", usable, loads),
                   percent(torque), percent(stiffness));
   if (!open.empty()) words += html("Ask the finite elements for {}. ", joined(open, ", "));

@@ -175,12 +175,17 @@ json to_json(const ModelCard& card) {
           {"cost", card.cost}};
 }
 
-/// The cards of all models. Those of pads come last, and only where a case has a pad.
+/// The cards of all models. Those of pads and of lines come last, and only where a case has one.
 json model_cards(const SuiteComparison& suite) {
   json cards = json::array();
   for (const PressureModel* model : all_pressure_models()) cards.push_back(to_json(model->card()));
   if (!suite.pads.empty())
     for (const PadModel* model : all_pad_models()) cards.push_back(to_json(model->card()));
+  const bool has_line = std::any_of(
+      suite.pads.begin(), suite.pads.end(), [](const judgement::PadCaseComparison& pad) {
+        return std::get<input::PadPair>(pad.contact_case->geometry).curved.has_value();
+      });
+  if (has_line) cards.push_back(to_json(line_layer().card()));
   return cards;
 }
 
