@@ -123,7 +123,8 @@ std::string pad_case_text(const InitOptions& options) {
 std::string case_text(const InitOptions& options) {
   if (options.pad) return pad_case_text(options);
   return fmt::format(
-      "# A case for softfinger. What a key means and may be: softfinger predict --help, docs/files.md\n"
+      "# A case for softfinger. What a key means and may be: softfinger predict --help, "
+      "docs/files.md\n"
       "id = \"{}\"\n"
       "question = \"Which model holds for my finger?\"   # optional\n"
       "\n[geometry]\n{}"

@@ -34,7 +34,7 @@ struct PadGeometry {
   MirrorPlanes planes;  ///< of both: a quarter is meshed, or the whole
   /// Rectangles along x and y, whose contact shares sides with the pad: meshed as a grid.
   bool shares_sides = false;
-  /// Of the fillet around the face, from the contact's outline to the pad's; 0: none.
+  /// Radius of the fillet around the face, from the contact's outline to the pad's; 0: none.
   double edge_radius = 0;
 };
 

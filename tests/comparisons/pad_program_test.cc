@@ -143,7 +143,8 @@ TEST_F(FlatPad, TouchesWherePadAndFaceOverlap) {
   // The fillet of the pad's edge does not touch.
   const json filleted = answers(pad_text("{ pad_mm = [22, 37.5], edge_radius_mm = 0.5 }"))[0];
   EXPECT_NEAR(filleted["area_m2"].get<double>(), 21e-3 * 36.5e-3, 1e-12);
-  // Its rubber helps to carry: between a pad of the flat face alone and one of the whole.
+  // Rubber beside the face helps to carry: between a pad of the flat face alone and one of the
+  // whole.
   const json flat = answers(pad_text("{ pad_mm = [21, 36.5] }"))[0],
              whole = answers(pad_text("{ pad_mm = [22, 37.5] }"))[0];
   EXPECT_GT(filleted["eccentricity_m"], flat["eccentricity_m"]);
@@ -253,8 +254,8 @@ TEST_F(FlatPad, RefusesBadInputWithOneLine) {
       {"{ pad_mm = [22, 20], edge_radius_m = 1 }", plane, "", "did you mean \"edge_radius_mm\""},
       {"{ pad_mm = [22, 20], pad_diameter_mm = 3 }", plane, "", "exactly one of"},
       {"{ pad_diameter_mm = 0 }", plane, "", "0.001 to 1000000"},
-      {pad, "{ radii_mm = [inf, inf] }", "", "a pad takes object = { flat = true }"},
-      {pad, "{ sphere_radius_mm = 20 }", "", "a pad takes object = { flat = true }"},
+      {pad, "{ radii_mm = [inf, inf] }", "", "is a plane: give flat = true"},
+      {pad, "{ sphere_radius_mm = 20 }", "", "Type softfinger fem"},
       {pad, "{ mesh = \"x.stl\", along = \"+z\" }", "", "a pad takes object = { flat = true }"},
       {"{ radii_mm = [9, 7] }", plane, "", "geometry.finger is curved"},
       {"{ mesh = \"x.stl\", along = \"+z\" }", plane, "", "geometry.finger is curved"},

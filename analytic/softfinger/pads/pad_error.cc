@@ -27,10 +27,10 @@ PadErrors layer_pad_bound(double poisson_ratio, double slenderness) noexcept {
 /// Share of the face that has lifted off, beyond which no bound is stated.
 constexpr double kMostLiftedOfBound = 0.5;
 
-/// Where the rim has lifted off. Made from 270 frictionless finite-element runs of eccentric loads
-/// (discs, and rectangles to 4 : 1, nu 0.3 to 0.49). Of 61 others (polygons too, nu 0.1 to 0.4995)
-/// the torque is inside on all, indentation and area on 60. Of stuck faces only the
-/// torque is known, which is the same.
+/// Adds what a lifted rim leaves open. Made from 270 frictionless finite-element runs of eccentric
+/// loads (discs, and rectangles to 4 : 1, nu 0.3 to 0.49). Of 61 others (polygons too, nu 0.1 to
+/// 0.4995) the torque is inside on all, indentation and area on 60. Of stuck faces only the torque
+/// is known, which is the same.
 void widen_by_lift_off(double lifted_share, PadPressing pressing, PadErrors& bound) noexcept {
   if (!(lifted_share > 0)) return;
   bound.max_torque += 0.06 * lifted_share;

@@ -163,7 +163,7 @@ Vector2d load_place_m(const PadProblem& problem) noexcept {
   return *problem.load_at_m - problem.shape->outline().centroid_m();
 }
 
-/// Of a face that could pull.
+/// Motion of a face that could pull.
 PadMotion unbounded_motion(const PadProblem& problem, const PadStiffness& stiffness) noexcept {
   const double force = problem.load.normal_force_N / foundation(problem.layer);
   if (!problem.load_at_m) return stiffness.motion(force, Vector2d::Zero());
