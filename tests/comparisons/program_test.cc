@@ -323,8 +323,9 @@ TEST_F(Program, AsksSlowModelsOnRequestOnly) {
   std::size_t there = 0;
   const json listed = json::parse(run({"list", "models", "--json"}).out);
   for (const json& model : listed["models"])
-    // The flat pads' models answer for pads only.
-    there += model["name"].get<std::string>().rfind("pad_", 0) != 0;
+    // The models of flat pads and of lines answer for these only.
+    there +=
+        model["name"].get<std::string>().rfind("pad_", 0) != 0 && model["name"] != "line_layer";
   EXPECT_EQ(count("everything"), there);
   EXPECT_LE(count("all"), there);
   EXPECT_EQ(count("winkler,hertz"), 2u);
@@ -982,7 +983,7 @@ TEST_F(Program, SelectsNoModelInWordsWhereNoneIsEnough) {
   }
 }
 
-TEST_F(Program, SaysThatItsModelsKnowOneHomogeneousLayer) {
+TEST_F(Program, SaysWhichModelsKnowSublayers) {
   const ProgramRun result = run({"predict", "skin_over_pulp", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;
   const json predicted = json::parse(result.out);
@@ -994,8 +995,14 @@ TEST_F(Program, SaysThatItsModelsKnowOneHomogeneousLayer) {
       return check["check"] == "homogeneous" && check["value"] == 8.0 &&
              !check["holds"].get<bool>();
     });
-    EXPECT_TRUE(said) << answer;
+    const std::string model = answer["model"];
+    const bool knows_them = model == "layer_fft" || model == "layer_fredholm";
+    EXPECT_EQ(said, !knows_them) << answer;
+    EXPECT_EQ(answer["recommended"].get<bool>(), model == "layer_fft");
   }
+  // The answer is that of the sublayers, not that of the layer that stands for them.
+  const ProgramRun words = run({"predict", "skin_over_pulp"});
+  EXPECT_NE(words.out.find("by layer_fft"), std::string::npos) << words.out;
 }
 
 TEST_F(Program, SelectsWhatASceneRequires) {
