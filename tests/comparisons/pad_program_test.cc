@@ -334,10 +334,10 @@ TEST_F(FlatPad, IsSweptWithTheNumbersOfPredict) {
   EXPECT_EQ(again.out, run.out);
 }
 
-TEST_F(FlatPad, SaysInTheRowOfASweepWhereTheRimLiftsOff) {
+TEST_F(FlatPad, SaysInTheRowOfASweepWhereItTips) {
   folder.write("sweep.toml",
                pad_text("{ pad_mm = [22, 37.5] }", "{ flat = true }", "load_at_mm = [0, 0]\n") +
-                   "[sweep]\n\"contact.load_at_mm[0]\" = [0, 1, 8]\n");
+                   "[sweep]\n\"contact.load_at_mm[0]\" = [0, 5, 10.9]\n");
   const ProgramRun run = run_softfinger(start, {"sweep", "sweep.toml", "--output", "there"});
   ASSERT_EQ(run.status, 0) << run.err;
   const Table rows = rows_of("there/results.csv");
@@ -345,8 +345,7 @@ TEST_F(FlatPad, SaysInTheRowOfASweepWhereTheRimLiftsOff) {
   EXPECT_EQ(rows.cell(1, "failure"), "");
   EXPECT_LT(rows.number(1, "pad_layer_max_torque_Nm"), rows.number(0, "pad_layer_max_torque_Nm"));
   EXPECT_EQ(rows.cell(2, "pad_layer_max_torque_Nm"), "");
-  EXPECT_NE(file_text(folder.path() / "there/results.csv").find("the pad's rim lifts off"),
-            std::string::npos);
+  EXPECT_NE(file_text(folder.path() / "there/results.csv").find("about to tip"), std::string::npos);
 }
 
 TEST_F(FlatPad, IsSweptBesideItsElements) {
@@ -660,8 +659,13 @@ TEST_F(FlatPad, RefusesWhatALineIsNotAnsweredFor) {
                                         "--load", "20"}),
                  "roller_radius_mm");
   folder.write("roller.toml", pad_text(kRollerFinger));
-  for (const char* command : {"compare", "select"})
+  for (const char* command : {"select", "explore"})
     expect_refusal(run_softfinger(start, {command, "roller.toml"}), "does not take a roller yet");
+  folder.write("sweep.toml", pad_text(kRollerFinger) + "[sweep]\n\"contact.load_N\" = [1, 2]\n");
+  expect_refusal(run_softfinger(start, {"sweep", "sweep.toml"}), "does not take a roller yet");
+  folder.write("sphere.toml", pad_text(pad, "{ sphere_radius_mm = 20 }"));
+  expect_refusal(run_softfinger(start, {"compare", "sphere.toml"}),
+                 "does not take a curved object on a flat pad yet");
   expect_refusal(run_softfinger(start, {"export", "roller.toml", "--to", "mujoco"}),
                  "does not take a roller yet");
 }

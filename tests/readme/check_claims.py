@@ -40,7 +40,8 @@ class Program:
         if self.exports is None:
             names = re.findall(r"^ *([a-z0-9_]+) ", self.text("list", "cases"), re.MULTILINE)
             assert len(names) >= 20, names
-            made = [self.answer("export", name, "--to", "mujoco", "--force") for name in names]
+            # A line contact is not exported.
+            made = [self.answer("export", name, "--to", "mujoco", "--force") for name in names if name != "roller"]
             self.exports = [one for one in made if "load_exponent" in one]
         return self.exports
 

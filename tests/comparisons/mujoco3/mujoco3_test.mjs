@@ -120,6 +120,7 @@ const tests = {
     const cases = ask('list', 'cases').match(/^ *[a-z0-9_]+(?= )/gm).map(name => name.trim());
     expect(cases.length >= 20, `softfinger list cases names ${cases.length} cases`);
     for (const name of cases) {
+      if (name === 'roller') continue;  // a line contact, which export refuses
       const {lines, load_N, torque_Nm, isPad} = exported(name);
       if (isPad) continue;  // a pad's torque would spin this ball away: see APadHoldsByABoxOrByOnePoint
       const xml = world(lines, [...sideways, ...upAndRound]);
