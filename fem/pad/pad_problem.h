@@ -43,8 +43,8 @@ enum class PadPressing {
 struct PadProblem {
   std::string name = "pad";
   FlatShape outline;
-  /// Radius of the fillet between face and side walls, which lies outside of `outline` and stays clear; 0
-  /// to 0.9 times the thickness. Below a twentieth of that it is left out.
+  /// Radius of the fillet between face and side walls, which lies outside of `outline` and stays
+  /// clear; 0 to 0.9 times the thickness. Below a twentieth of that it is left out.
   double edge_radius_m = 0;
   double thickness_m = 0;          ///< > 0
   double youngs_modulus_Pa = 0;    ///< > 0
