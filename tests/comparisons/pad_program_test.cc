@@ -659,8 +659,7 @@ TEST_F(FlatPad, RefusesWhatALineIsNotAnsweredFor) {
                                         "--load", "20"}),
                  "roller_radius_mm");
   folder.write("roller.toml", pad_text(kRollerFinger));
-  for (const char* command : {"select", "explore"})
-    expect_refusal(run_softfinger(start, {command, "roller.toml"}), "does not take a roller yet");
+  expect_refusal(run_softfinger(start, {"select", "roller.toml"}), "does not take a roller yet");
   folder.write("sweep.toml", pad_text(kRollerFinger) + "[sweep]\n\"contact.load_N\" = [1, 2]\n");
   expect_refusal(run_softfinger(start, {"sweep", "sweep.toml"}), "does not take a roller yet");
   folder.write("sphere.toml", pad_text(pad, "{ sphere_radius_mm = 20 }"));
