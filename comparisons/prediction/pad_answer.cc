@@ -59,7 +59,7 @@ nlohmann::json bound_json(const PadAnswer& answer) {
           {"torsional_stiffness", text::finite_or_null(bound.torsional_stiffness)}};
 }
 
-/// By which a fillet moves the outline that bears.
+/// Distance by which a fillet moves the outline that bears further out.
 double bearing_distance_m(const input::PadPair& pair, const ElasticLayer& layer) {
   if (pair.curved || pair.covered < 1) return 0;
   const double radius_m = pair.finger.edge_radius_m;

@@ -64,7 +64,7 @@ struct ExactStack {
   double radius_m, load_N, a_m, indentation_m, torque_arm_m, centre_Pa;
 };
 
-/// Exact round contacts, computed independently of this project.
+/// Exact round contacts, computed independently of this project, with some seven digits.
 std::vector<ExactStack> exact_stacks() {
   const LayerStack skin = stack_of({{0.6e-3, 3e5, 0.45}, {2.4e-3, 6e4, 0.49}});
   const LayerStack stiff_below = stack_of({{1.5e-3, 1e5, 0.45}, {1.5e-3, 1e6, 0.45}});
@@ -111,11 +111,13 @@ TEST(StackKernel, AgreesWithElementsThroughTheThickness) {
   const double modulus_Pa = stack.surface().plane_strain_modulus_Pa();
   for (const double k_per_m : {30., 300., 1000., 3000., 8000.}) {
     const double w = compliance_by_elements(stack, k_per_m, 60) * modulus_Pa * k_per_m / 2;
+    // Quadratic elements of a sixtieth of a sublayer: their own error, largest for short waves.
     EXPECT_NEAR(kernel.compliance(k_per_m * 0.5e-3) / w, 1, 2e-5) << k_per_m;
   }
 }
 
 TEST(StackKernel, ForgetsWhatLiesBelowARigidOrDeepSublayer) {
+  // The lower sublayer yields by 1e-12 of the upper one, times the rounding of their ratio.
   const StackKernel on_rigid(stack_of({{1e-3, 3e5, 0.45}, {2e-3, 3e17, 0.3}}));
   for (const double x : {0.1, 1., 4.})
     EXPECT_NEAR(on_rigid.compliance(x) / LayerKernel(0.45).compliance(x), 1, 1e-9) << x;
@@ -138,7 +140,7 @@ TEST(LayerFredholm, SolvesStacksExactly) {
 }
 
 TEST(LayerFft, SolvesStacksAsTheGridAllows) {
-  // The bounds are those of one layer.
+  // The bounds are those that the model's card states of one layer.
   for (const ExactStack& row : exact_stacks()) {
     const Prediction p = find_pressure_model("layer_fft")->predict(problem_of(row));
     ASSERT_TRUE(p.has_answer);

@@ -158,7 +158,7 @@ double foundation(const ElasticLayer& layer) noexcept {
   return layer.youngs_modulus_Pa / layer.thickness_m;
 }
 
-/// From the centroid.
+/// Place of the load, from the centroid.
 Vector2d load_place_m(const PadProblem& problem) noexcept {
   return *problem.load_at_m - problem.shape->outline().centroid_m();
 }

@@ -109,11 +109,11 @@ class PadModel {
                      PadPrediction* predictions) const noexcept;
 };
 
-/// Those of a flat face: pad_layer and pad_uniform.
+/// The models of a flat face: pad_layer and pad_uniform.
 const std::vector<const PadModel*>& all_pad_models();
 const PadModel* find_pad_model(std::string_view name);  ///< of them, or nullptr
 
-/// That of a cylinder: a line contact with ends.
+/// The model of a cylinder: a line contact with ends.
 const PadModel& line_layer();
 
 }  // namespace softfinger
