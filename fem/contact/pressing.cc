@@ -277,11 +277,41 @@ std::optional<FoldedLayer> end_beside(const std::vector<SurfaceNode>& nodes,
   return std::nullopt;
 }
 
+void set_size(Pressed& pressed, const Pressing& pressing) {
+  const LayerDiscretisation& discretisation = pressed.model->discretisation();
+  const auto& nodes = pressed.model->nodes();
+  const auto count = static_cast<Index>(nodes.size());
+  pressed.reaches_rim = false;
+  const double spacing_a = 0.5 / discretisation.elements_along_a();
+  const double spacing_b = 0.5 / discretisation.elements_along_b();
+  for (Index i = 0; i < count; ++i) {
+    const double force = pressed.contact.force[i];
+    if (force <= 0) continue;
+    constexpr double wrapped = 0.3;
+    if (pressed.cosine[i] < wrapped)
+      throw InputError("contact", "slope of the finger's surface", pressed.cosine[i],
+                       "a contact that does not wrap around the finger (cosine of the slope at "
+                       "least 0.3): less load");
+    if (pressing.mesh && nodes[static_cast<std::size_t>(i)].at_end)
+      refuse_end_of_surface(nodes[static_cast<std::size_t>(i)], pressing.thickness_m);
+    const double x = std::abs(nodes[static_cast<std::size_t>(i)].x);
+    const double y = std::abs(nodes[static_cast<std::size_t>(i)].y);
+    if (std::hypot(x / discretisation.a, y / discretisation.b + spacing_b) > discretisation.patch ||
+        std::hypot(x / discretisation.a + spacing_a, y / discretisation.b) > discretisation.patch)
+      pressed.reaches_rim = true;
+  }
+  const Eigen::Vector2d axes = discretisation.is_scan
+                                   ? holding_axes(nodes, pressed.contact.force, no_plane)
+                                   : axes_of_moments(nodes, pressed.contact.force);
+  // A row of nodes is as wide as they are apart: no less can be seen.
+  pressed.moment_a = std::max(axes.x(), spacing_a * discretisation.a);
+  pressed.moment_b = std::max(axes.y(), spacing_b * discretisation.b);
+}
+
 Outcome<Pressed, FoldedLayer> press_on(std::shared_ptr<const LayerModel> model,
                                        const Pressing& pressing) {
   Pressed pressed;
   pressed.model = std::move(model);
-  const LayerDiscretisation& discretisation = pressed.model->discretisation();
   const auto& nodes = pressed.model->nodes();
   const auto count = static_cast<Index>(nodes.size());
   pressed.gap.resize(count);
@@ -320,30 +350,7 @@ Outcome<Pressed, FoldedLayer> press_on(std::shared_ptr<const LayerModel> model,
     if (const std::optional<FoldedLayer> folded = reached_end(pressed, pressing, solve))
       return *folded;
 
-  const double spacing_a = 0.5 / discretisation.elements_along_a();
-  const double spacing_b = 0.5 / discretisation.elements_along_b();
-  for (Index i = 0; i < count; ++i) {
-    const double force = pressed.contact.force[i];
-    if (force <= 0) continue;
-    constexpr double wrapped = 0.3;
-    if (cosine[i] < wrapped)
-      throw InputError("contact", "slope of the finger's surface", cosine[i],
-                       "a contact that does not wrap around the finger (cosine of the slope at "
-                       "least 0.3): less load");
-    if (pressing.mesh && nodes[static_cast<std::size_t>(i)].at_end)
-      refuse_end_of_surface(nodes[static_cast<std::size_t>(i)], pressing.thickness_m);
-    const double x = std::abs(nodes[static_cast<std::size_t>(i)].x);
-    const double y = std::abs(nodes[static_cast<std::size_t>(i)].y);
-    if (std::hypot(x / discretisation.a, y / discretisation.b + spacing_b) > discretisation.patch ||
-        std::hypot(x / discretisation.a + spacing_a, y / discretisation.b) > discretisation.patch)
-      pressed.reaches_rim = true;
-  }
-  const Eigen::Vector2d axes = discretisation.is_scan
-                                   ? holding_axes(nodes, pressed.contact.force, no_plane)
-                                   : axes_of_moments(nodes, pressed.contact.force);
-  // A row of nodes is as wide as they are apart: no less can be seen.
-  pressed.moment_a = std::max(axes.x(), spacing_a * discretisation.a);
-  pressed.moment_b = std::max(axes.y(), spacing_b * discretisation.b);
+  set_size(pressed, pressing);
   return pressed;
 }
 
@@ -403,7 +410,9 @@ Outcome<ContactShape, Unmeasured> measure_shape(const Pressed& pressed, const Pr
   };
   contact.clearance = [&]() -> Eigen::VectorXd {
     const Eigen::VectorXd sunk = pressed.model->compliance() * pressed.normal_force;
-    return (pressed.gap + sunk.cwiseQuotient(pressed.cosine)).array() - pressed.contact.approach;
+    Eigen::VectorXd apart = pressed.gap + sunk.cwiseQuotient(pressed.cosine);
+    if (pressed.lift.size() > 0) apart += pressed.lift;
+    return apart.array() - pressed.contact.approach;
   };
   contact.modulus = pressing.surface_modulus();
   contact.regular = !pressing.mesh;

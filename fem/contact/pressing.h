@@ -64,6 +64,7 @@ struct Pressed {
   std::shared_ptr<const LayerModel> model;
   Eigen::VectorXd gap;
   NormalContact contact;              ///< its forces are the components along the load
+  Eigen::VectorXd lift;               ///< of each node towards the object by friction; empty: none
   Eigen::VectorXd normal_force;       ///< per node, along the surface's normal
   Eigen::VectorXd cosine;             ///< of each node's normal with the load
   double moment_a = 0, moment_b = 0;  ///< semi-axes from moments, rough but robust; on a
@@ -127,6 +128,10 @@ void choose_elements(LayerDiscretisation& mesh, int level);
 Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> make_layer(
     const LayerDiscretisation& discretisation, const Pressing& pressing,
     const Rubs& rubs = none_rubs);
+
+/// Sets the size of a contact from its nodal forces.
+/// @throws InputError for one that wraps around the finger or reaches the end of a mesh
+void set_size(Pressed& pressed, const Pressing& pressing);
 
 /// @param model  of the pressing's own layer
 /// @throws InputError, ConvergenceError

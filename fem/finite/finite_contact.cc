@@ -129,7 +129,7 @@ class FiniteContact : public ContactPhysics {
     result.indentation_m = found.approach * h_;
     result.load_N =
         problem_.approach_m > 0 ? found.load * E_ * h_ * h_ : problem_.contact.load.normal_force_N;
-    result.torque_arm_m = contact_.torque_arm * h_;
+    result.torque_arm_m = result.pressure_arm_m = contact_.torque_arm * h_;
     set_largest_friction(result);
     result.strain_energy_J = found.energy * E_ * h_ * h_ * h_;
     const double load = task_.pressing.load;

@@ -238,6 +238,10 @@ FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::
   StickSlipFactor own;
   StickSlipFactor& factor = kept ? *kept : own;
   cover(compliance, limit, factor);
+  if (factor.points.empty()) {
+    force.setZero();
+    return {};
+  }
   const std::vector<Index> rows = rows_of(factor.points);
   const Eigen::VectorXd limit_of_points = limit(factor.points), target_of_points = target(rows);
   Eigen::VectorXd force_of_points = force(rows);

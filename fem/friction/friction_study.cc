@@ -37,25 +37,10 @@ FrictionalContact press(const PressedContact& contact, const SurfaceCompliance& 
   Eigen::VectorXd area;
   if (contact.strength_share.size() > 0)
     area = surface.area.cwiseProduct(contact.strength_share(surface.model_node));
-  return {surface, gap, contact.load, FrictionBound(contact.law, area)};
-}
-
-/// Sets the nodes that touch in a state, and the relative radius of the outermost one.
-void find_touching(const PressedContact& contact, const SurfaceCompliance& surface,
-                   const FrictionalContact& state, FrictionState& result) {
-  const double allowed =
-      rim(contact) - spare_margin / contact.model.discretisation().elements_per_semi_axis;
-  for (Index i = 0; i < surface.size(); ++i) {
-    if (state.normal_force()[i] <= 0) continue;
-    const int node = surface.model_node[static_cast<std::size_t>(i)];
-    result.touching.push_back(node);
-    const double radius = relative_radius(contact, surface.in_block(0, i), surface.in_block(1, i));
-    result.edge = std::max(result.edge, radius);
-    if (radius > allowed || is_spare(contact, node))
-      throw EdgeLeftMargin("size of the frictional contact", static_cast<int>(i), radius,
-                           "friction moved the contact's edge to this relative radius, out of the "
-                           "refined patch; use a lower friction coefficient");
-  }
+  const FrictionBound bound(contact.law, area);
+  if (contact.rubbed)
+    return {surface, gap, contact.load, bound, on_points(*contact.rubbed, surface)};
+  return {surface, gap, contact.load, bound};
 }
 
 /// The first of the velocities, then always the one whose direction is nearest to the last.
@@ -78,6 +63,23 @@ std::vector<std::size_t> short_way(const std::vector<PlaneMotion>& velocities, d
 }
 
 }  // namespace
+
+void find_touching(const PressedContact& contact, const SurfaceCompliance& surface,
+                   const FrictionalContact& state, FrictionState& result) {
+  const double allowed =
+      rim(contact) - spare_margin / contact.model.discretisation().elements_per_semi_axis;
+  for (Index i = 0; i < surface.size(); ++i) {
+    if (state.normal_force()[i] <= 0) continue;
+    const int node = surface.model_node[static_cast<std::size_t>(i)];
+    result.touching.push_back(node);
+    const double radius = relative_radius(contact, surface.in_block(0, i), surface.in_block(1, i));
+    result.edge = std::max(result.edge, radius);
+    if (radius > allowed || is_spare(contact, node))
+      throw EdgeLeftMargin("size of the frictional contact", static_cast<int>(i), radius,
+                           "friction moved the contact's edge to this relative radius, out of the "
+                           "refined patch; use a lower friction coefficient");
+  }
+}
 
 bool is_in_region(const TouchedRegion& region, const SurfaceNode& node,
                   const LayerDiscretisation& mesh) {
@@ -116,10 +118,11 @@ double stuck_torsional_stiffness(const PressedContact& contact,
   // A turn is odd about each mirror plane: one problem has its stiffness. The object also holds the
   // normal displacements of the nodes that touch.
   const Eigen::MatrixXd& odd = quarters.of_turn();
+  const Eigen::VectorXd& force = contact.rubbed ? contact.rubbed->normal : contact.force;
   std::vector<Index> stuck;
   std::vector<double> turn;
   for (std::size_t i = 0; i < quarters.nodes.size(); ++i) {
-    if (contact.force[quarters.nodes[i]] <= 0) continue;
+    if (force[quarters.nodes[i]] <= 0) continue;
     const SurfaceNode& node = contact.model.nodes()[static_cast<std::size_t>(quarters.nodes[i])];
     const double displacement[] = {-node.position.y(), node.position.x(), 0};
     for (Index c = 0; c < 3; ++c) {

@@ -31,6 +31,8 @@ struct PressedContact {
   double margin = 1;
   /// Region that may touch, known from a coarser mesh; empty: wherever the margin lets it.
   TouchedRegion region{};
+  /// The contact where friction acted from the first touch, per node; none: it was pressed without.
+  std::optional<RubbedState> rubbed = std::nullopt;
 };
 
 /// Whether the contact may come to a node, as far as its region tells.
@@ -75,11 +77,16 @@ using KeptCompliances = std::shared_ptr<const QuarterCompliances>;
 QuarterCompliances friction_compliances(const PressedContact& contact, Invariance fewest,
                                         KeptCompliances* kept = nullptr);
 
-/// Torque per angle while every point sticks, the slope at the start of a twist. The contact is
-/// that of the frictionless load.
+/// Torque per angle while every point sticks, the slope at the start of a twist, of the contact as
+/// it was pressed.
 double stuck_torsional_stiffness(const PressedContact& contact, const QuarterCompliances& quarters);
 
-/// Moves the indenter through the motions, one increment each, after pressing without friction.
+/// Sets the nodes that touch in a state, and the relative radius of the outermost one.
+/// @throws EdgeLeftMargin
+void find_touching(const PressedContact& contact, const SurfaceCompliance& surface,
+                   const FrictionalContact& state, FrictionState& result);
+
+/// Moves the indenter through the motions, one increment each, after the contact was pressed.
 /// Every state is given to `on_state` as it comes.
 /// @throws EdgeLeftMargin, ConvergenceError
 std::vector<FrictionState> move_through(const PressedContact& contact,

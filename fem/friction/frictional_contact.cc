@@ -26,6 +26,21 @@ Eigen::VectorXd displacement(const SurfaceCompliance& surface, const PlaneMotion
 
 }  // namespace
 
+RubbedState on_points(const RubbedState& of_nodes, const SurfaceCompliance& surface) {
+  const Index count = surface.size();
+  RubbedState result{Eigen::VectorXd(count), Eigen::VectorXd(2 * count), Eigen::VectorXd(2 * count),
+                     of_nodes.approach};
+  for (Index i = 0; i < count; ++i) {
+    const Index node = surface.model_node[static_cast<std::size_t>(i)];
+    const Eigen::Vector2d signs = surface.mirrored.col(i);
+    result.normal[i] = surface.images[i] * of_nodes.normal[node];
+    result.tangential.segment<2>(2 * i) =
+        surface.images[i] * signs.cwiseProduct(of_nodes.tangential.segment<2>(2 * node));
+    result.slip.segment<2>(2 * i) = signs.cwiseProduct(of_nodes.slip.segment<2>(2 * node));
+  }
+  return result;
+}
+
 FrictionalContact::FrictionalContact(const SurfaceCompliance& surface, const Eigen::VectorXd& gap,
                                      double load, FrictionBound bound)
     : surface_(surface),
@@ -38,6 +53,21 @@ FrictionalContact::FrictionalContact(const SurfaceCompliance& surface, const Eig
       last_change_(tangential_),
       slip_(tangential_),
       limit_(bound_.of(normal_.force)) {}
+
+FrictionalContact::FrictionalContact(const SurfaceCompliance& surface, const Eigen::VectorXd& gap,
+                                     double load, FrictionBound bound, RubbedState start)
+    : surface_(surface),
+      gap_(gap),
+      load_(load / surface.copies),
+      bound_(std::move(bound)),
+      pressed_(Eigen::VectorXd::Zero(surface.size())),
+      tangential_(std::move(start.tangential)),
+      last_change_(Eigen::VectorXd::Zero(2 * surface.size())),
+      slip_(std::move(start.slip)),
+      limit_(bound_.of(start.normal)) {
+  normal_.force = std::move(start.normal);
+  normal_.approach = start.approach;
+}
 
 template <class TangentialSolver>
 void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_tangential) {
@@ -70,6 +100,17 @@ void FrictionalContact::settle(const char* stage, const TangentialSolver& solve_
   throw ConvergenceError(stage, limit, change,
                          "pressure and friction keep changing each other; is the coefficient of "
                          "friction very large?");
+}
+
+void FrictionalContact::press_to(double load) {
+  load_ = load / surface_.copies;
+  move_to({});
+}
+
+void FrictionalContact::settle_slip(const Eigen::VectorXd& slip) {
+  slip_ = slip;
+  last_change_.setZero();
+  move_to({});
 }
 
 void FrictionalContact::move_to(const PlaneMotion& motion) {

@@ -21,6 +21,7 @@ struct Point {
 /// plane.
 std::vector<Parity> parities_for(MirrorPlanes planes, Invariance fewest) {
   std::vector<Parity> parities{{false, false}};
+  if (fewest == Invariance::mirrors) return parities;
   if (planes.any()) parities.push_back({planes.x, planes.y});
   if (planes.both() && fewest == Invariance::none)
     parities.insert(parities.end(), {{true, false}, {false, true}});
@@ -87,6 +88,7 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
   const std::vector<int>& nodes = quarters.nodes;
   const MirrorPlanes planes = model.planes();
   const bool half_turn = invariance == Invariance::half_turn;
+  const bool mirrors = invariance == Invariance::mirrors;
   constexpr double on_plane = 1e-9;
   const auto is_on_x = [&](const SurfaceNode& node) { return planes.x && node.x < on_plane; };
   const auto is_on_y = [&](const SurfaceNode& node) { return planes.y && node.y < on_plane; };
@@ -100,6 +102,7 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
       // A mirror plane's own points have no second image; after a half turn the upper half serves
       // for the lower, and half of the line y = 0 for the other half.
       if ((image.mirror_x && on_x) || (image.mirror_y && on_y)) continue;
+      if (mirrors && number > 0) continue;
       if (half_turn && (image.mirror_y || (image.mirror_x && on_y))) continue;
       points.push_back({static_cast<int>(i), image});
       share.push_back(half_turn && on_x && on_y ? 0.5 : 1.0);
@@ -109,12 +112,14 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
   const auto count = static_cast<Eigen::Index>(points.size());
   require_memory(points.size());
   SurfaceCompliance result;
-  result.copies = half_turn ? 2 : 1;
+  result.copies = half_turn ? 2 : mirrors ? planes.images() : 1;
   result.position.resize(2, count);
   result.height.resize(count);
   result.in_block.resize(2, count);
   result.area.resize(count);
   result.model_node.resize(points.size());
+  result.mirrored.resize(2, count);
+  result.images.resize(count);
   Eigen::VectorXd cosine(count);  // of the surface's slope
   for (Eigen::Index p = 0; p < count; ++p) {
     const Point& point = points[static_cast<std::size_t>(p)];
@@ -127,9 +132,10 @@ SurfaceCompliance surface_compliance(const QuarterCompliances& quarters, Invaria
     result.in_block.col(p) = mirror.cwiseProduct(Eigen::Vector2d(node.x, node.y));
     cosine[p] = node.normal.z();
     // A node on a mirror plane has half of its weight in what is meshed, on two planes a quarter.
-    const double parts = (is_on_x(node) ? 2 : 1) * (is_on_y(node) ? 2 : 1);
-    result.area[p] =
-        node.weight * node.area_ratio * cosine[p] * parts * share[static_cast<std::size_t>(p)];
+    const double parts = mirrors ? 1 : (is_on_x(node) ? 2 : 1) * (is_on_y(node) ? 2 : 1);
+    result.mirrored.col(p) = mirror;
+    result.images[p] = parts * share[static_cast<std::size_t>(p)];
+    result.area[p] = node.weight * node.area_ratio * cosine[p] * result.images[p];
   }
 
   const bool tangential = blocks == Blocks::all;

@@ -10,8 +10,9 @@ namespace softfinger::fem {
 
 /// Symmetry of a state of contact, friction included. With a symmetry fewer points are solved for.
 enum class Invariance {
-  none,      ///< all of the contact is solved for: any tangential force and torque
-  half_turn  ///< rotation by pi about the normal: load and twist; half of the contact
+  none,       ///< all of the contact is solved for: any tangential force and torque
+  half_turn,  ///< rotation by pi about the normal: load and twist; half of the contact
+  mirrors     ///< the mirror planes of what is meshed: the load alone; just what is meshed
 };
 
 /// Compliances among some nodes of what is meshed, a quarter of the layer or more, by parity.
@@ -49,9 +50,9 @@ enum class Blocks { all, without_tangential };
 /// tangents, turned into that plane by the smallest rotation. So mu P bounds the force of friction,
 /// and the torque at full slip is that of the pressure.
 ///
-/// A half turn maps the centre to itself. Force and area of this point are then half of what the
-/// contact has there: the compliance stays symmetric, and sums over points times `copies` need no
-/// special case.
+/// A half turn maps the centre to itself, and a mirror plane its own points. Forces and areas of
+/// such points are then the half, or less, of what the contact has there: the compliance stays
+/// symmetric, and sums over points times `copies` need no special case.
 struct SurfaceCompliance {
   Eigen::Matrix2Xd position;          ///< of each point, in h, seen along the load
   Eigen::VectorXd height;             ///< of each point along the load, in h
@@ -61,6 +62,8 @@ struct SurfaceCompliance {
   Eigen::MatrixXd tangential;         ///< 2n x 2n, blocks in the order x, y; empty if left out
   Eigen::MatrixXd normal_tangential;  ///< n x 2n: displacement into the layer by tangential force
   std::vector<int> model_node;        ///< for each point
+  Eigen::Matrix2Xd mirrored;          ///< signs of a point's x and y against those of its node
+  Eigen::VectorXd images;             ///< of a node's force, which a point's force is made of
   int copies = 1;                     ///< sums over points times this are sums over the contact
 
   Eigen::Index size() const { return position.cols(); }

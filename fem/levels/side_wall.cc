@@ -60,6 +60,7 @@ void correct_wall(const WallChange& wall, std::vector<LevelResult>& levels) {
     level.max_torque_Nm *= 1 + wall.max_torque;
     level.max_force_N *= 1 + wall.max_force;
     level.torque_arm_m *= 1 + wall.a;
+    level.pressure_arm_m *= 1 + wall.a;
     level.max_torque_projected_Nm *= 1 + wall.max_torque;
     level.load_N *= 1 + wall.load;
   }

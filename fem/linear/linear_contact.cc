@@ -7,6 +7,7 @@
 
 #include "fem/algebra/cholesky.h"
 #include "fem/base/formatted.h"
+#include "fem/friction/rubbed_pressing.h"
 #include "fem/levels/level_loop.h"
 #include "fem/output/surface_series.h"
 #include "fem/output/write_compliance.h"
@@ -119,7 +120,13 @@ class LinearContact : public ContactPhysics {
     Outcome<Pressed, FoldedLayer> pressed = press_on(std::move(model), task_.pressing);
     if (!pressed) return pressed.reason();
     pressed_ = *std::move(pressed);
-    return check_sensible(pressed_, task_);
+    if (std::optional<FoldedLayer> obstacle = check_sensible(pressed_, task_)) return *obstacle;
+    frictionless_.reset();
+    rubbed_.reset();
+    if (task_.problem.pressing == PressingFriction::none || pressed_.reaches_rim)
+      return std::nullopt;
+    if (std::optional<FoldedLayer> obstacle = rub()) return *obstacle;
+    return std::nullopt;
   }
 
   RoughSize size() const override {
@@ -167,7 +174,9 @@ class LinearContact : public ContactPhysics {
     result.indentation_m = pressed_.contact.approach * h;
     result.load_N =
         problem.approach_m > 0 ? pressed_.load() * E * h * h : problem.contact.load.normal_force_N;
-    result.torque_arm_m = pressed_.torque_arm() * h;
+    result.torque_arm_m = frictionless().torque_arm() * h;
+    result.pressure_arm_m = pressed_.torque_arm() * h;
+    if (rubbed_) result.stick_share = rubbed_->stick_share;
     set_largest_friction(result);
     result.load_residual = pressed_.contact.load_residual;
     result.complementarity_residual = pressed_.contact.complementarity_residual;
@@ -230,6 +239,8 @@ class LinearContact : public ContactPhysics {
   /// and files may ask for nodes that this contact's friction leaves alone.
   Rubs rubs(const LayerDiscretisation& mesh) const {
     const bool for_others = !task_.problem.compliance_file.empty();
+    if (task_.problem.pressing != PressingFriction::none && !task_.pressing.planes().any())
+      return all_rub;
     if (!(for_others || task_.problem.friction.any()) || !is_kept_level() ||
         task_.pressing.planes().any())
       return none_rubs;
@@ -256,14 +267,65 @@ class LinearContact : public ContactPhysics {
     result.max_torque_Nm = pressed_.copies() * pressed_.moment_of(friction) * unit_of_force_N * h;
   }
 
+  const Pressed& frictionless() const { return frictionless_ ? *frictionless_ : pressed_; }
+
+  /// Presses the contact once more with friction.
+  std::optional<FoldedLayer> rub() {
+    PressedContact start{*pressed_.model,   pressed_.gap,     pressed_.contact.force,
+                         pressed_.moment_a, pressed_.moment_b, pressed_.load(),
+                         pressing_law()};
+    // The moments' ellipse may lie inside of nodes that touch.
+    start.edge = outermost(start);
+    const LayerDiscretisation& mesh = discretisation();
+    start.margin = std::min(1.0, (mesh.patch - start.edge) * mesh.elements_per_semi_axis);
+    rubbed_ = press_rubbing(start, friction_compliances(start, Invariance::mirrors),
+                            {task_.pressing.load, task_.pressing.approach});
+    frictionless_ = pressed_;
+    if (task_.pressing.approach > 0) {
+      // The torque at full slip is that of the frictionless pressure under the same load.
+      Pressing by_load = task_.pressing;
+      by_load.approach = 0;
+      by_load.load = rubbed_->load;
+      const Outcome<Pressed, FoldedLayer> pressed = press_on(pressed_.model, by_load);
+      if (!pressed) return pressed.reason();
+      frictionless_ = *pressed;
+    }
+    pressed_.contact.force = rubbed_->state.normal;
+    pressed_.contact.approach = rubbed_->state.approach;
+    pressed_.contact.active = static_cast<int>((rubbed_->state.normal.array() > 0).count());
+    pressed_.normal_force = pressed_.contact.force.cwiseQuotient(pressed_.cosine);
+    pressed_.lift = rubbed_->lift;
+    set_size(pressed_, task_.pressing);
+    return std::nullopt;
+  }
+
+  /// The law while the contact is pressed.
+  ShearLaw pressing_law() const {
+    constexpr double never_slips = 1e6;
+    return task_.problem.pressing == PressingFriction::stuck
+               ? ShearLaw::coulomb(never_slips)
+               : task_.problem.friction_law_of_model();
+  }
+
+  /// The relative radius of the farthest node that touches.
+  static double outermost(const PressedContact& contact) {
+    const auto& nodes = contact.model.nodes();
+    double edge = 1;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      if (contact.force[static_cast<Eigen::Index>(i)] > 0)
+        edge = std::max(edge, std::hypot(nodes[i].x / contact.a, nodes[i].y / contact.b));
+    return edge;
+  }
+
   PressedContact start_of_friction() const {
     PressedContact start{*pressed_.model,
                          pressed_.gap,
-                         pressed_.contact.force,
+                         frictionless().contact.force,
                          shape_.block_a,
                          shape_.block_b,
                          pressed_.load(),
                          task_.problem.friction_law_of_model()};
+    if (rubbed_) start.rubbed = rubbed_->state;
     const auto& nodes = pressed_.model->nodes();
     if (start.law.has_shear_strength()) {
       Eigen::VectorXd area(start.force.size()), radius(start.force.size());
@@ -276,11 +338,9 @@ class LinearContact : public ContactPhysics {
           start.law, {start.force, area, radius, 1.0 / discretisation().elements_per_semi_axis,
                       shape_.projected_area / pressed_.copies()});
     }
-    if (pressed_.model->planes().both()) return start;
-    // Without symmetry nodes beyond the ellipse of the moments may touch.
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      if (start.force[static_cast<Eigen::Index>(i)] > 0)
-        start.edge = std::max(start.edge, std::hypot(nodes[i].x / start.a, nodes[i].y / start.b));
+    // Without symmetry nodes beyond the ellipse of the moments may touch. A contact that was pressed
+    // with friction is smaller than it is at full slip.
+    if (!pressed_.model->planes().both() || rubbed_) start.edge = outermost(start);
     return start;
   }
 
@@ -292,6 +352,8 @@ class LinearContact : public ContactPhysics {
   SurfaceSeries series_;
   TouchedRegion region_;  ///< of friction on the coarse level; empty before it
   Pressed pressed_;
+  std::optional<Pressed> frictionless_;   ///< where `pressed_` is pressed with friction
+  std::optional<RubbedPressing> rubbed_;  ///< in the same case
   ContactShape shape_;  ///< as measured last
 };
 

@@ -46,6 +46,15 @@ void check_load(const Problem& problem) {
     require_positive(problem, law.friction_coefficient, "friction_coefficient");
   if (law.has_shear_strength())
     require_positive(problem, law.shear_strength_Pa, "shear_strength_Pa");
+  if (problem.pressing == PressingFriction::none) return;
+  const char* const pressing = kPressingNames[static_cast<std::size_t>(problem.pressing)];
+  if (law.kind != ShearLaw::Kind::coulomb)
+    throw InputError(problem.name, "pressing", pressing,
+                     formatted("\"frictionless\" where the shear law is \"%s\"", law.name()));
+  if (problem.finite_strain)
+    throw InputError(problem.name, "pressing", pressing,
+                     "\"frictionless\" at finite strain; linear elasticity knows friction while it "
+                     "presses");
 }
 
 void check_radii(const Problem& problem) {

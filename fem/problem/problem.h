@@ -32,6 +32,14 @@ struct FrictionRequest {
   bool any() const { return torsion || limit_surface > 0; }
 };
 
+/// Friction while a contact is pressed.
+enum class PressingFriction {
+  none,     ///< it sets in when the load is reached
+  coulomb,  ///< it acts from the first touch, by the law of the contact's load
+  stuck     ///< all that touches sticks
+};
+inline constexpr std::array<const char*, 3> kPressingNames{"frictionless", "coulomb", "stuck"};
+
 /// One of several bonded sublayers.
 struct Sublayer {
   ElasticLayer layer;
@@ -48,6 +56,7 @@ struct Problem {
   /// The law that bounds friction at a point; its coefficient is that of the contact's load.
   ShearLaw::Kind shear_law = ShearLaw::Kind::coulomb;
   double shear_strength_Pa = 0;  ///< > 0, for laws that have one
+  PressingFriction pressing = PressingFriction::none;
   /// Presses by this approach in place of the contact's load, which is then ignored; 0: by load.
   double approach_m = 0;
   /// Semi-axes to expect along x and y, from an earlier contact or a closed form: they save trial

@@ -22,7 +22,10 @@ struct LevelResult {
   double a_m = 0, b_m = 0, indentation_m = 0, peak_pressure_Pa = 0;
   /// int tau r dA and int tau dA of the frictionless pressure, tau the shear law's stress.
   double max_torque_Nm = 0, max_force_N = 0;
-  double torque_arm_m = 0;  ///< int p r dA / P
+  double torque_arm_m = 0;  ///< int p r dA / P of the frictionless pressure
+  /// The same of the pressure as the contact is pressed, with or without friction; and the share of
+  /// its area that sticks then.
+  double pressure_arm_m = 0, stick_share = 0;
   /// The area that touches, seen along the load, and on the deformed surface. The first is what
   /// models of contact predict. The second has the object's slope, in linear elasticity too.
   double area_projected_m2 = 0, area_m2 = 0;
