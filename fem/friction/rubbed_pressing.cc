@@ -32,32 +32,40 @@ FrictionalContact pressed_in_steps(const SurfaceCompliance& surface, const Eigen
   return contact;
 }
 
-FrictionalContact pressed_to(const SurfaceCompliance& surface, const Eigen::VectorXd& gap,
-                             const FrictionBound& bound, double load, int steps) {
+/// A contact and the share of its area that stuck in the last step: the extrapolated slip is none
+/// that a step has made.
+struct Extrapolated {
+  FrictionalContact contact;
+  double stick_share;
+};
+
+Extrapolated pressed_to(const SurfaceCompliance& surface, const Eigen::VectorXd& gap,
+                        const FrictionBound& bound, double load, int steps) {
   const Eigen::VectorXd coarse = pressed_in_steps(surface, gap, bound, load, steps).state().slip;
   FrictionalContact contact = pressed_in_steps(surface, gap, bound, load, 2 * steps);
+  const double stick_share = 1 - contact.slip_fraction();
   contact.settle_slip(2 * contact.state().slip - coarse);
-  return contact;
+  return {std::move(contact), stick_share};
 }
 
 /// The contact whose approach is the one that is asked for: secant steps in the logarithms, between
 /// which load is nearly a power of the approach.
-FrictionalContact pressed_at(const SurfaceCompliance& surface, const Eigen::VectorXd& gap,
-                             const FrictionBound& bound, double approach, double guess,
-                             int steps) {
+Extrapolated pressed_at(const SurfaceCompliance& surface, const Eigen::VectorXd& gap,
+                        const FrictionBound& bound, double approach, double guess, int steps) {
   constexpr int limit = 12;
   constexpr double tolerance = 1e-7;
   double load = guess, exponent = 1.5;
   double last_load = 0, last_approach = 0, off = 1;
   for (int iteration = 0; iteration < limit; ++iteration) {
-    FrictionalContact contact = pressed_to(surface, gap, bound, load, steps);
-    off = approach / contact.approach() - 1;
-    if (std::abs(off) <= tolerance) return contact;
-    if (last_load > 0 && contact.approach() != last_approach)
-      exponent = std::log(load / last_load) / std::log(contact.approach() / last_approach);
+    Extrapolated found = pressed_to(surface, gap, bound, load, steps);
+    const double reached = found.contact.approach();
+    off = approach / reached - 1;
+    if (std::abs(off) <= tolerance) return found;
+    if (last_load > 0 && reached != last_approach)
+      exponent = std::log(load / last_load) / std::log(reached / last_approach);
     last_load = load;
-    last_approach = contact.approach();
-    load *= std::pow(approach / contact.approach(), exponent);
+    last_approach = reached;
+    load *= std::pow(approach / reached, exponent);
   }
   throw ConvergenceError("load of a given approach with friction", limit, off,
                          "give the load in place of the approach");
@@ -73,7 +81,7 @@ RubbedPressing press_rubbing(const PressedContact& contact, const QuarterComplia
   const int steps =
       std::max(fewest_steps,
                steps_per_element * contact.model.discretisation().elements_per_semi_axis);
-  const FrictionalContact pressed =
+  const auto [pressed, stick_share] =
       goal.approach > 0
           ? pressed_at(surface, gap, bound, goal.approach, contact.load, steps)
           : pressed_to(surface, gap, bound, goal.load, steps);
@@ -95,7 +103,7 @@ RubbedPressing press_rubbing(const PressedContact& contact, const QuarterComplia
     result.lift[node] = lift[i];
   }
   result.load = copies(contact) * found.normal.sum();
-  result.stick_share = 1 - pressed.slip_fraction();
+  result.stick_share = stick_share;
   return result;
 }
 

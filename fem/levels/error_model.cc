@@ -90,6 +90,8 @@ double outline_error(double difference, double coarse, double fine, double refin
 RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse,
                               const LevelResult& fine, const ErrorSetting& setting) {
   const double refinement = refinement_of(coarse, fine), crossed = crossed_cells(fine);
+  ErrorConstants integral = table.integral;
+  if (setting.rubbed) integral.order = std::min(integral.order, order_of_rubbed_pressing);
   const auto error = [&](double LevelResult::*quantity, const ErrorConstants& constants) {
     return stated_error(relative_difference(coarse.*quantity, fine.*quantity), refinement,
                         constants, crossed, fine.elements_per_semi_axis);
@@ -112,10 +114,11 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
   result.area += 2 * edge + of_wall(&WallChange::area);
   result.peak_pressure =
       error(&LevelResult::peak_pressure_Pa, table.peak) + of_wall(&WallChange::peak_pressure);
-  result.indentation = error(&LevelResult::indentation_m, table.integral) +
+  if (setting.rubbed) result.peak_pressure += rounded_cusp * setting.coupling;
+  result.indentation = error(&LevelResult::indentation_m, integral) +
                        cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) +
                        of_wall(&WallChange::indentation);
-  result.load = error(&LevelResult::load_N, table.integral) + of_wall(&WallChange::load);
+  result.load = error(&LevelResult::load_N, integral) + of_wall(&WallChange::load);
   result.max_torque =
       error(&LevelResult::max_torque_Nm, table.integral) + of_wall(&WallChange::max_torque);
   if (setting.is_scan) {
