@@ -332,6 +332,28 @@ void read_contact(const TomlReader& reader, const toml::table& table, Case& resu
   result.shear_law = reader.shear_law(table, "[contact]");
 }
 
+/// A flat pad has its own.
+void read_pressing(const TomlReader& reader, const toml::table& table, Case& result) {
+  const toml::node* pressing = table.get("pressing");
+  if (!pressing) return;
+  const std::string typed = reader.choice(
+      *pressing, "pressing", {kPressingFrictionNames.begin(), kPressingFrictionNames.end()});
+  result.pressing = PressingFriction(
+      std::find(kPressingFrictionNames.begin(), kPressingFrictionNames.end(), typed) -
+      kPressingFrictionNames.begin());
+  if (result.pressing != PressingFriction::none && result.shear_law.kind != ShearLaw::Kind::coulomb)
+    reader.refuse(*pressing, "pressing", "\"frictionless\" with another shear law than Coulomb's");
+}
+
+/// Friction while it is pressed is known in linear elasticity only.
+void require_linear_pressing(const TomlReader& reader, const toml::table& root,
+                             const Case& contact_case) {
+  if (contact_case.pressing == PressingFriction::none || !contact_case.fem_finite) return;
+  reader.refuse(*root["contact"]["pressing"].node(), "pressing",
+                "\"frictionless\" with [fem] kinematics = \"finite\"; finite elements press with "
+                "friction in linear elasticity only");
+}
+
 void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
   if (!node.is_table()) reader.refuse(node, "fem", "a table");
   const toml::table& table = *node.as_table();
@@ -502,15 +524,16 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
     result.remarks = unusual_values(result);
     return result;
   }
-  for (const char* key : {"pressing", "load_at_mm"})
-    if (const toml::node* node = contact.get(key))
-      reader.say(*node, fmt::format("{} is for flat pads: finger = {{ pad_mm = [l, w] }}", key));
+  read_pressing(reader, contact, result);
+  if (const toml::node* node = contact.get("load_at_mm"))
+    reader.say(*node, "load_at_mm is for flat pads: finger = { pad_mm = [l, w] }");
   result.geometry = read_geometry(reader, geometry, file.parent_path());
   if (const toml::node* fem = root.get("fem")) read_fem(reader, *fem, result);
   if (const auto core = geometry.at_path("finger.core");
       core && result.fem_geometry_typed && !result.fem_curved)
     reader.say(*core.node(),
                "finger.core needs [fem] geometry = \"curved\": a flat layer has none");
+  require_linear_pressing(reader, root, result);
   read_materials(reader, root, result);
   settle_finger_shape(result);
   result.remarks = unusual_values(result);

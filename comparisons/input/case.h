@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -11,6 +12,7 @@
 #include "comparisons/input/pad.h"
 #include "comparisons/input/setting.h"
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/input/pressing_friction.h"
 #include "softfinger/input/shear_law.h"
 #include "softfinger/pressure/power_law_fit.h"
 
@@ -104,6 +106,7 @@ struct Case {
   std::vector<double> loads_N;               ///< all different
   Doubts doubts;                             ///< numbers that were given with their doubt
   ShearLaw shear_law;                        ///< what friction carries at a point
+  PressingFriction pressing = PressingFriction::none;  ///< friction while it is pressed
   int fem_level = 2;                         ///< 1 to 3
   bool fem_curved = false;                   ///< finite elements on the finger's own curved core
   std::filesystem::path fem_mesh;  ///< of the layer, in place of the flat one; empty: our own
@@ -112,6 +115,12 @@ struct Case {
   std::vector<std::string> remarks;        ///< values that are unusual, a sentence each
   /// Whether [fem] chose them. `reference::with_full_reference` settles those that it left open.
   bool fem_geometry_typed = false, fem_kinematics_typed = false;
+
+  /// The coefficient that acts while the contact is pressed; infinite where all sticks.
+  double pressed_friction_coefficient() const {
+    return pressing == PressingFriction::stuck ? std::numeric_limits<double>::infinity()
+                                               : shear_law.friction_coefficient;
+  }
 
   /// With the sublayers where there are not more than models take.
   ContactProblem problem(const RelativeRadii& radii, double load_N) const {

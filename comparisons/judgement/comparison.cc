@@ -117,7 +117,7 @@ std::optional<prediction::QuantityErrors> Comparison::geometry_error() const {
 
 RelativeErrors relative_errors(const ModelAnswer& answer,
                                const reference::ReferenceResult& reference) {
-  const Prediction& prediction = answer.prediction;
+  const Prediction& prediction = answer.pressed();
   const auto torque_Nm = [&](TorqueRule rule) {
     return answer.friction_ellipsoid(rule).max_torque_Nm();
   };

@@ -94,7 +94,7 @@ std::optional<QuantityErrors> cause_of(const ModelAnswer& answer, ErrorCause cau
 }
 
 nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_surface_points) {
-  const Prediction& prediction = answer.prediction;
+  const Prediction& prediction = answer.pressed();
   const FrictionEllipsoid ellipsoid = answer.friction_ellipsoid(rule);
   const auto number = [&](double value) {
     return prediction.has_answer ? text::finite_or_null(value) : nlohmann::json();
@@ -113,10 +113,12 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
                            {"max_force_N", number(ellipsoid.max_force_N)},
                            {"max_torque_Nm", number(ellipsoid.max_torque_Nm())},
                            {"eccentricity_m", number(ellipsoid.eccentricity_m)},
+                           {"pressing", answer.rubbed ? name_of(answer.pressing) : "frictionless"},
+                           {"pressure_arm_m", number(prediction.torque_arm_exact_m)},
                            {"torque_rule", rule == TorqueRule::exact ? "exact" : "paper"},
                            {"gap", answer.sampled ? "sampled" : "quadric"},
                            {"valid", answer.valid()},
-                           {"validity", to_json(prediction.validity)},
+                           {"validity", to_json(answer.prediction.validity)},
                            {"cost_ns", answer.cost_ns}};
   const auto derived = predict_with_gradient(*answer.model, answer.problem);
   const PredictionGradient& gradient = derived.gradient;

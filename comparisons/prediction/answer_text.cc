@@ -140,7 +140,7 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
                   "area ±", "torque ±", "usable", "cost ns");
   std::string remarks;
   for (const ModelAnswer& answer : answers) {
-    const Prediction& p = answer.prediction;
+    const Prediction& p = answer.pressed();
     const std::string name(answer.model->card().name);
     if (p.has_answer) {
       const FrictionEllipsoid ellipsoid = answer.friction_ellipsoid(rule);
@@ -158,11 +158,17 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
     } else {
       text += fmt::format("  {:<19} {:>9}\n", name, "no answer");
     }
-    for (const ValidityCheck& check : p.validity)
+    for (const ValidityCheck& check : answer.prediction.validity)
       if (!check.holds())
         remarks += fmt::format("  {}: {} ({} = {:.3g}, holds {} {:.3g})\n", name, check.message,
                                check.check, check.value, check.holds_below ? "below" : "above",
                                check.limit);
+    if (answer.rubbed)
+      remarks += fmt::format(
+          "  {}: pressed with friction, {}; without it a {:.4g} mm, d {:.4g} mm. The largest torque "
+          "is the same: at full slip friction points along the slip\n",
+          name, answer.pressing == PressingFriction::stuck ? "all of it stuck" : "Coulomb's law",
+          1e3 * answer.prediction.a_m, 1e3 * answer.prediction.indentation_m);
     remarks += causes_in_words(answer, name);
     remarks += left_open_in_words(answer, name, rule);
   }

@@ -8,6 +8,7 @@
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/equivalent_exponent.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::prediction {
 namespace {
@@ -104,12 +105,38 @@ ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
   return answer;
 }
 
+namespace {
+
+/// Sets the contact as it is pressed with friction, or a check that fails where the model leaves
+/// out what counts.
+void press_with_friction(const input::Case& contact_case, ModelAnswer& answer) {
+  answer.pressing = contact_case.pressing;
+  if (answer.pressing == PressingFriction::none || !answer.prediction.has_answer) return;
+  const double mu = contact_case.pressed_friction_coefficient();
+  const Prediction rubbed = softfinger::rubbed(answer.prediction, answer.problem, mu);
+  const bool is_one_layer = answer.problem.stack.count == 0 && !answer.problem.has_object_layer();
+  if (knows_pressing_friction(*answer.model) && is_one_layer) {
+    answer.rubbed = rubbed;
+    return;
+  }
+  // A change of less than a hundredth is below the bounds of all models.
+  constexpr double kCounts = 0.01;
+  const double change = 1 - rubbed.indentation_m / answer.prediction.indentation_m;
+  answer.prediction.validity.add(
+      {"frictionless_pressing", change, kCounts, true,
+       "presses without friction; with it the indentation is smaller by this share, in linear "
+       "elasticity. bonded_layer and the finite elements (softfinger fem) press with friction"});
+}
+
+}  // namespace
+
 ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
                       const LocalGeometry& geometry, double load_N,
                       std::optional<double> time_budget_ns) {
   ModelAnswer answer =
       ask_model(model, contact_problem(contact_case, geometry, load_N), time_budget_ns);
   answer.shear_law = contact_case.shear_law;
+  press_with_friction(contact_case, answer);
   if (!model.knows_stacks() || answer.problem.stack.count == 0)
     check_homogeneity(contact_case, answer.prediction.validity);
   if (model.card().finite_strain) check_energy(contact_case, answer.prediction.validity);

@@ -71,7 +71,10 @@ struct ModelAnswer {
   const PressureModel* model = nullptr;
   ContactProblem problem;
   ShearLaw shear_law;  ///< of the case; Coulomb's with the problem's coefficient without one
-  Prediction prediction;
+  Prediction prediction;  ///< of frictionless pressing, which the largest torque is that of
+  PressingFriction pressing = PressingFriction::none;
+  /// The contact as it is pressed with friction, where the case asks for that and the model knows.
+  std::optional<Prediction> rubbed;
   double cost_ns = 0;  ///< median of repeated calls; slow models are called once
   /// Standard deviations that follow from the uncertainty of the fitted radii. Set for meshes and
   /// models that are fast enough to be asked repeatedly.
@@ -86,6 +89,8 @@ struct ModelAnswer {
   /// Whether the answer is usable, where it was assessed; else whether no assumption of the model
   /// fails.
   bool valid() const { return assessment ? assessment->usable : prediction.valid(); }
+
+  const Prediction& pressed() const { return rubbed ? *rubbed : prediction; }
 
   double eccentricity_m(TorqueRule rule) const {
     return rule == TorqueRule::exact ? prediction.torque_arm_exact_m

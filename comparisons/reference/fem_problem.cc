@@ -164,6 +164,7 @@ json to_json(const FemProblem& problem) {
     object["shear_law"] = problem.shear_law.name();
     object["shear_strength_Pa"] = problem.shear_law.shear_strength_Pa;
   }
+  if (problem.pressing != PressingFriction::none) object["pressing"] = name_of(problem.pressing);
   if (problem.approach_m) object["approach_m"] = *problem.approach_m;
   if (problem.finite_strain) {
     object["kinematics"] = "finite";
@@ -213,6 +214,7 @@ FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalG
   problem.finite_strain = contact_case.fem_finite;
   problem.load_N = load_N;
   problem.shear_law = contact_case.shear_law;
+  problem.pressing = contact_case.pressing;
   problem.level = level;
   if (!contact_case.fem_mesh.empty())
     problem.layer_mesh = {std::filesystem::absolute(contact_case.fem_mesh),

@@ -59,6 +59,7 @@ struct FemProblem {
   double load_N = 0;
   std::optional<double> approach_m;  ///< the load is then a result
   ShearLaw shear_law;
+  PressingFriction pressing = PressingFriction::none;
   int level = 2;
   std::optional<LayerMesh> layer_mesh;
   struct Bodies {

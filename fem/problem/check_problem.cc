@@ -47,7 +47,7 @@ void check_load(const Problem& problem) {
   if (law.has_shear_strength())
     require_positive(problem, law.shear_strength_Pa, "shear_strength_Pa");
   if (problem.pressing == PressingFriction::none) return;
-  const char* const pressing = kPressingNames[static_cast<std::size_t>(problem.pressing)];
+  const char* const pressing = name_of(problem.pressing);
   if (law.kind != ShearLaw::Kind::coulomb)
     throw InputError(problem.name, "pressing", pressing,
                      formatted("\"frictionless\" where the shear law is \"%s\"", law.name()));

@@ -10,6 +10,7 @@
 #include "fem/problem/fingertip.h"
 #include "fem/problem/material_choice.h"
 #include "softfinger/input/contact_problem.h"
+#include "softfinger/input/pressing_friction.h"
 #include "softfinger/input/shear_law.h"
 
 namespace softfinger::meshes {
@@ -31,14 +32,6 @@ struct FrictionRequest {
 
   bool any() const { return torsion || limit_surface > 0; }
 };
-
-/// Friction while a contact is pressed.
-enum class PressingFriction {
-  none,     ///< it sets in when the load is reached
-  coulomb,  ///< it acts from the first touch, by the law of the contact's load
-  stuck     ///< all that touches sticks
-};
-inline constexpr std::array<const char*, 3> kPressingNames{"frictionless", "coulomb", "stuck"};
 
 /// One of several bonded sublayers.
 struct Sublayer {

@@ -125,7 +125,7 @@ json to_json(const Problem& problem, const Result& result) {
                  {"shear_law", problem.friction_law().name()},
                  {"max_force_N", finest.max_force_N},
                  {"eccentricity_m", finest.max_torque_Nm / finest.max_force_N},
-                 {"pressing", kPressingNames[static_cast<std::size_t>(problem.pressing)]},
+                 {"pressing", name_of(problem.pressing)},
                  {"pressure_arm_m", finest.pressure_arm_m},
                  {"stick_share", problem.pressing == PressingFriction::none
                                      ? json(nullptr)

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "softfinger/pressure/pressure_model.h"
+
+/// The effect of friction that acts while a layer is pressed.
+namespace softfinger {
+
+/// Numbers of a contact that is pressed with friction from the first touch, over those of the
+/// contact that is pressed without, at equal load.
+struct RubbedRatios {
+  double size = 1;         ///< of a and b
+  double indentation = 1;  ///< of d
+  double torque_arm = 1;   ///< of int p r dA / P
+};
+
+/// A layer that sticks is stiffer. Two mechanisms, each of which saturates with mu: inward slip of
+/// compressible layers, which a half-space has too, and the flow that is squeezed out of thin,
+/// nearly incompressible ones. With t = 1 - 2 nu, s = sqrt(ab)/h of the frictionless contact,
+///   ln ratio = -A erf(0.886 mu/c2) - B erf(0.886 mu/m),  A = c0 t²/(1 + (s/s0)²),
+///   B = c s^k/(q + s^k)/(1 + b t/(1 - nu) s^n) max(0, 1 - j t),  m = g1 exp(-g2 t) s/(s + g3),
+/// constants fitted to linear elasticity (incremental solutions of round contacts): within 0.5 %
+/// for nu 0.3 to 0.49, s 0.5 to 3, any mu; from s = 0.3 to 4 within 0.7, 0.4 and 0.5 % (d, a, arm).
+/// Outside of that range they are extrapolated.
+/// @param poisson_ratio         0 to 1/2
+/// @param size_over_thickness   s >= 0
+/// @param friction_coefficient  mu >= 0; infinite: all sticks
+RubbedRatios rubbed_ratios(double poisson_ratio, double size_over_thickness,
+                           double friction_coefficient) noexcept;
+
+/// A prediction of frictionless pressing as it is with friction. The pressure keeps the form
+/// (1 - r²)^n, with the exponent of its new arm, which gives the peak: within 4 % of linear
+/// elasticity. `torque_arm_exact_m` becomes int p r dA / P as pressed. It is not the arm of the
+/// largest torque, which is that of frictionless pressing: at full slip the direction of friction
+/// has turned into that of the slip.
+/// @pre has an answer
+Prediction rubbed(const Prediction& frictionless, const ContactProblem& problem,
+                  double friction_coefficient) noexcept;
+
+/// Whether a model's answers are those of linear elasticity on a layer, which the ratios are for.
+bool knows_pressing_friction(const PressureModel& model) noexcept;
+
+}  // namespace softfinger
