@@ -138,6 +138,7 @@ input::Case read_case(const CaseInput& typed) {
     input::Case read =
         input::read_case(system::find_case_file(typed.file), settings, input::FlatPads::taken);
     if (typed.pads == input::FlatPads::refused) refuse_pad(read, "softfinger " + typed.command);
+    if (!typed.presses_with_friction) refuse_pressing(read, "softfinger " + typed.command);
     for (const std::string& line : read.remarks) remark(line);
     return read;
   }
@@ -149,6 +150,7 @@ input::Case read_case(const CaseInput& typed) {
   if (!has_friction) text += "[contact]\nfriction_coefficient = 1\n";
   input::Case made = input::parse_case(text, "command line", settings, input::FlatPads::taken);
   if (typed.pads == input::FlatPads::refused) refuse_pad(made, "softfinger " + typed.command);
+  if (!typed.presses_with_friction) refuse_pressing(made, "softfinger " + typed.command);
   for (const std::string& line : made.remarks) remark(line);
   if (!has_friction)
     remark("no --friction: a coefficient of 1 is taken, the torque is proportional to it");

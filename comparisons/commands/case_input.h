@@ -13,6 +13,7 @@ namespace softfinger::commands {
 struct CaseInput {
   std::string command;  ///< that takes them: "predict"
   input::FlatPads pads = input::FlatPads::refused;
+  bool presses_with_friction = false;
   std::string file;  ///< as typed; empty: all by numbers
   std::vector<std::string> settings;
   std::string radii_mm, pad_mm, pad_diameter_mm, thickness_mm, youngs_modulus_kPa, poisson_ratio,

@@ -132,8 +132,11 @@ std::string with_bound(double bound) {
 }  // namespace
 
 std::string describe_reference(const input::Case& contact_case, int level) {
-  return fmt::format("{}, {}, Q2/P1 elements of level {}, pressed without friction",
-                     geometry_in_words(contact_case), strain_in_words(contact_case), level);
+  return fmt::format("{}, {}, Q2/P1 elements of level {}, pressed {}",
+                     geometry_in_words(contact_case), strain_in_words(contact_case), level,
+                     contact_case.pressing == PressingFriction::none      ? "without friction"
+                     : contact_case.pressing == PressingFriction::coulomb ? "with Coulomb's friction"
+                                                                          : "without any slip");
 }
 
 std::string answer_line(const FemAnswerText& answer) {
@@ -162,6 +165,11 @@ std::string evidence_text(const FemAnswerText& answer) {
     if (!check.holds())
       text += fmt::format("  not valid: {} {:.2g}, holds below {:.2g}: {}\n", check.check,
                           check.value, check.limit, check.message);
+  if (answer.contact_case.pressing != PressingFriction::none)
+    text += fmt::format(
+        "  pressed with friction: {:.0f} % of the area sticks; the torque is that of full slip, the "
+        "same as without\n",
+        100 * result.document.value("stick_share", 0.0));
   if (result.twist) text += twist_table(result);
   if (!result.limit_surface.empty()) text += limit_surface_table(result);
   if (result.coarse) text += "  (interrupted: the result of a coarser level than requested)\n";
@@ -182,7 +190,7 @@ nlohmann::json to_json(const FemAnswerText& answer) {
                        : answer.contact_case.fem_curved      ? "curved"
                                                              : "flat";
   object["kinematics"] = answer.contact_case.fem_finite ? "finite" : "linear";
-  object["pressing"] = "frictionless";
+  object["pressing"] = name_of(answer.contact_case.pressing);
   object["cost_ns"] = text::finite_or_null(1e9 * result.wall_s);
   return object;
 }

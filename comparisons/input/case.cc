@@ -461,6 +461,14 @@ void require_plain_pad(const TomlReader& reader, const toml::table& root) {
 
 }  // namespace
 
+void refuse_pressing(const Case& contact_case, const std::string& command) {
+  if (contact_case.pressing == PressingFriction::none) return;
+  throw InputError(contact_case.file.string(), "pressing",
+                   std::string("\"") + name_of(contact_case.pressing) + "\"",
+                   "\"frictionless\" for " + command +
+                       "; predict, fem and compare press with friction");
+}
+
 void refuse_pad(const Case& contact_case, const std::string& command) {
   if (!std::holds_alternative<PadPair>(contact_case.geometry)) return;
   throw InputError(contact_case.geometry_where,

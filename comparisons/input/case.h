@@ -140,6 +140,9 @@ void settle_finger_shape(Case& contact_case);
 /// Whether a reader of cases can do with a flat pad. Most commands only know curved contacts.
 enum class FlatPads { refused, taken };
 
+/// @throws InputError that names the command, where the case's contact is pressed with friction
+void refuse_pressing(const Case& contact_case, const std::string& command);
+
 /// @throws InputError that names the command, where the case's contact is a flat pad
 void refuse_pad(const Case& contact_case, const std::string& command);
 

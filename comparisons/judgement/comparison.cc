@@ -167,7 +167,8 @@ std::string reference_in_words(const input::Case& contact_case) {
   const char* const what = contact_case.fem_curved         ? "the finger"
                            : contact_case.fem_mesh.empty() ? "a flat layer"
                                                            : "the meshed layer";
-  return std::string(what) + (contact_case.fem_finite ? " at finite strain" : " in linear theory");
+  return std::string(what) + (contact_case.fem_finite ? " at finite strain" : " in linear theory") +
+         (contact_case.pressing == PressingFriction::none ? "" : ", pressed with friction");
 }
 
 LoadErrors errors_of(const Comparison& comparison) {

@@ -87,10 +87,12 @@ constexpr const char* kFlatFinite = "flat, finite strain";
 PlannedCase planned(input::Case reference, bool quick) {
   PlannedCase plan{std::move(reference), {}, {}};
   if (quick || !plan.reference.fem_mesh.empty()) return plan;
-  if (plan.reference.fem_curved || plan.reference.fem_finite) {
+  const bool is_rubbed = plan.reference.pressing != PressingFriction::none;
+  if (plan.reference.fem_curved || plan.reference.fem_finite || is_rubbed) {
     plan.flat_linear = plan.reference;
     plan.flat_linear->fem_curved = false;
     plan.flat_linear->fem_finite.reset();
+    plan.flat_linear->pressing = PressingFriction::none;
   }
   if (plan.reference.fem_curved && plan.reference.fem_finite) {
     plan.flat_finite = plan.reference;

@@ -101,6 +101,32 @@ TEST(Assessment, IsOfTheTorqueThatIsTold) {
   EXPECT_LT(torque_bound(slender.assess()), 0.05);
 }
 
+TEST(Assessment, OfFrictionWhilePressingLeavesTheTorqueAndWidensTheRest) {
+  const std::string geometry = "finger.radii_mm = [20, 20]\nobject.radii_mm = [inf, inf]";
+  std::string text = assessed_case_text(geometry);
+  const std::string nu = "poisson_ratio = 0.45";
+  text.replace(text.find(nu), nu.size(), "poisson_ratio = 0.49");
+  for (const char* model : {"bonded_layer", "hertz", "fingertip_layer"}) {
+    const Asked frictionless(text, model);
+    const Asked rubbed(text + "pressing = \"coulomb\"\n", model);
+    const bool knows = std::string(model) == "bonded_layer";
+    EXPECT_EQ(rubbed.answer.rubbed.has_value(), knows) << model;
+    EXPECT_EQ(rubbed.answer.friction_ellipsoid(TorqueRule::exact).max_torque_Nm(),
+              frictionless.answer.friction_ellipsoid(TorqueRule::exact).max_torque_Nm());
+    if (knows)
+      EXPECT_LT(rubbed.answer.pressed().indentation_m, frictionless.answer.pressed().indentation_m);
+    else
+      EXPECT_FALSE(rubbed.answer.prediction.validity.holds()) << "it says what it leaves out";
+    const Assessment before = frictionless.assess(), after = rubbed.assess();
+    ASSERT_TRUE(before.bound && after.bound) << model;
+    EXPECT_EQ(torque_bound(after), torque_bound(before));
+    for (const Quantity quantity :
+         {Quantity::a, Quantity::area, Quantity::indentation, Quantity::peak_pressure})
+      EXPECT_GT((*after.bound)[std::size_t(quantity)], (*before.bound)[std::size_t(quantity)])
+          << model;
+  }
+}
+
 TEST(Assessment, AddsWhatTheMeshLeavesOpenForSlowModelsToo) {
   // Long-edged facets, so that the fitted radii are uncertain.
   const double R = 0.012;

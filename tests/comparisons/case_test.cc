@@ -65,6 +65,33 @@ TEST(Case, ReadsShearLawsInSiUnits) {
                  name);
 }
 
+TEST(Case, SaysHowItIsPressed) {
+  const auto with = [](const std::string& keys) {
+    return input::parse_case(replaced("friction_coefficient = 0.8", keys), "example.toml");
+  };
+  EXPECT_EQ(with("friction_coefficient = 0.8").pressing, PressingFriction::none);
+  const input::Case coulomb = with("friction_coefficient = 0.8\npressing = \"coulomb\"");
+  EXPECT_EQ(coulomb.pressing, PressingFriction::coulomb);
+  EXPECT_EQ(coulomb.pressed_friction_coefficient(), 0.8);
+  const input::Case stuck = with("friction_coefficient = 0.8\npressing = \"stuck\"");
+  EXPECT_TRUE(std::isinf(stuck.pressed_friction_coefficient()));
+  EXPECT_THROW(with("friction_coefficient = 0.8\npressing = \"sticky\""), InputError);
+  EXPECT_THROW(with("shear_law = \"shear_strength\"\nshear_strength_kPa = 9\n"
+                    "pressing = \"stuck\""),
+               InputError)
+      << "another law";
+  EXPECT_THROW(input::refuse_pressing(coulomb, "softfinger sweep"), InputError);
+  EXPECT_NO_THROW(input::refuse_pressing(with("friction_coefficient = 0.8"), "softfinger sweep"));
+}
+
+TEST(Case, RefusesToPressWithFrictionAtFiniteStrain) {
+  std::string text = replaced("kinematics = \"linear\"", "kinematics = \"finite\"");
+  const std::string friction = "friction_coefficient = 0.8\n";
+  EXPECT_NO_THROW(input::parse_case(text, "example.toml"));
+  text.replace(text.find(friction), friction.size(), friction + "pressing = \"coulomb\"\n");
+  EXPECT_THROW(input::parse_case(text, "example.toml"), InputError);
+}
+
 TEST(Case, TakesItsFilesNameAsIdWithoutOne) {
   const std::string text = replaced("id = \"example\"\n", "");
   EXPECT_EQ(input::parse_case(text, "folder/my finger.toml").id, "my_finger");

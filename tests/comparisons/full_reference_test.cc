@@ -42,6 +42,16 @@ TEST(FullReference, IsLinearWhereNothingMoves) {
   EXPECT_TRUE(full(case_with("relative_radii_mm = [20, 10]", 1)).fem_finite);
 }
 
+TEST(FullReference, IsLinearWhereItIsPressedWithFriction) {
+  input::Case typed = case_with(kBodies, 2);
+  typed.pressing = PressingFriction::coulomb;
+  const input::Case found = full(typed);
+  EXPECT_TRUE(found.fem_curved);
+  EXPECT_FALSE(found.fem_finite);
+  EXPECT_EQ(judgement::reference_in_words(found),
+            "the finger in linear theory, pressed with friction");
+}
+
 TEST(FullReference, LeavesOutWhatItIsAskedTo) {
   const input::Case typed = case_with(kBodies, 2);
   const input::Case flat = full(typed, {false, true});
