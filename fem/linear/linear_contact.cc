@@ -274,12 +274,21 @@ class LinearContact : public ContactPhysics {
     PressedContact start{*pressed_.model,   pressed_.gap,     pressed_.contact.force,
                          pressed_.moment_a, pressed_.moment_b, pressed_.load(),
                          pressing_law()};
-    // The moments' ellipse may lie inside of nodes that touch.
     start.edge = outermost(start);
     const LayerDiscretisation& mesh = discretisation();
-    start.margin = std::min(1.0, (mesh.patch - start.edge) * mesh.elements_per_semi_axis);
-    rubbed_ = press_rubbing(start, friction_compliances(start, Invariance::mirrors),
-                            {task_.pressing.load, task_.pressing.approach});
+    const double all = (mesh.patch - start.edge) * mesh.elements_per_semi_axis;
+    start.margin = std::min(1.0, all);
+    const auto press_within_margin = [&] {
+      return press_rubbing(start, friction_compliances(start, Invariance::mirrors),
+                           {task_.pressing.load, task_.pressing.approach});
+    };
+    try {
+      rubbed_ = press_within_margin();
+    } catch (const EdgeLeftMargin&) {
+      if (start.margin >= all) throw;
+      start.margin = all;
+      rubbed_ = press_within_margin();
+    }
     frictionless_ = pressed_;
     if (task_.pressing.approach > 0) {
       // The torque at full slip is that of the frictionless pressure under the same load.
