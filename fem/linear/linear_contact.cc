@@ -310,7 +310,9 @@ class LinearContact : public ContactPhysics {
 
   /// The law while the contact is pressed.
   ShearLaw pressing_law() const {
-    constexpr double never_slips = 1e6;
+    // Shear over pressure where all sticks is below 1 but in the last nodes before the edge. With a
+    // bound that is no bound such a node would touch, pull itself off and touch again.
+    constexpr double never_slips = 10;
     return task_.problem.pressing == PressingFriction::stuck
                ? ShearLaw::coulomb(never_slips)
                : task_.problem.friction_law_of_model();
