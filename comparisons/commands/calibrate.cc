@@ -152,7 +152,8 @@ int run_calibrate(const CalibrateOptions& options) {
   const input::MeasurementTable table = input::parse_measurements(data_text, path.string());
   const input::Case contact_case =
       input::read_case(system::find_case_file(options.case_file), settings_of(options.settings),
-                       input::FlatPads::taken);
+                       input::FlatPads::taken, input::Times::taken);
+  input::refuse_times(contact_case, "softfinger calibrate");
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
     throw InputError(
         contact_case.geometry_where,

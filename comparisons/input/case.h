@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "comparisons/input/contact_times.h"
 #include "comparisons/input/doubt.h"
 #include "comparisons/input/pad.h"
 #include "comparisons/input/setting.h"
@@ -102,6 +103,7 @@ struct Case {
   ModelOptions options;
   std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters
   std::vector<double> loads_N;               ///< all different
+  ContactTimes times;                        ///< how the layer relaxes and is pressed over time
   Doubts doubts;                             ///< numbers that were given with their doubt
   ShearLaw shear_law;                        ///< what friction carries at a point
   int fem_level = 2;                         ///< 1 to 3
@@ -131,6 +133,12 @@ void settle_finger_shape(Case& contact_case);
 /// Whether a reader of cases can do with a flat pad. Most commands only know curved contacts.
 enum class FlatPads { refused, taken };
 
+/// Whether a reader of cases knows time: `[layer] relaxation` and `[contact] history`.
+enum class Times { refused, taken };
+
+/// @throws InputError that names the command, where the case has relaxation or history
+void refuse_times(const Case& contact_case, const std::string& command);
+
 /// @throws InputError that names the command, where the case's contact is a flat pad
 void refuse_pad(const Case& contact_case, const std::string& command);
 
@@ -145,11 +153,12 @@ void refuse_curved_pad(const Case& contact_case, const std::string& command);
 /// `settings` `where` is what typed it.
 /// @param file  "-": standard input
 Case read_case(const std::filesystem::path& file, const Settings& settings = {},
-               FlatPads pads = FlatPads::refused);
+               FlatPads pads = FlatPads::refused, Times times = Times::refused);
 
 /// Reads a case from a text in memory; `file` is used in messages and to find meshes.
 Case parse_case(const std::string& text, const std::filesystem::path& file,
-                const Settings& settings = {}, FlatPads pads = FlatPads::refused);
+                const Settings& settings = {}, FlatPads pads = FlatPads::refused,
+                Times times = Times::refused);
 
 /// Copy of a case with another value of a doubted number, in the file's unit.
 /// @throws InputError where the case does not allow that value
