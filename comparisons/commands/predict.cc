@@ -28,6 +28,7 @@
 #include "comparisons/prediction/curved_pad.h"
 #include "comparisons/prediction/gap_sampling.h"
 #include "comparisons/prediction/pad_answer.h"
+#include "comparisons/report/time_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/terminal.h"
@@ -120,6 +121,30 @@ void write_page(const PredictOptions& options, const input::Case& contact_case,
   write_fits_page(options.page,
                   {typed_name(mesh.path), mesh.part, *placed.metres_per_unit, placed.is_own_unit},
                   resolver.surface(mesh), points, options.command_line);
+}
+
+/// Curves of one model from a moment's first touch on.
+report::TimeSeries series_of(const input::Case& contact_case,
+                             const prediction::GeometryResolver& resolver,
+                             const prediction::Moment& moment, const std::string& title,
+                             const PressureModel& model, prediction::TorqueRule rule) {
+  report::TimeSeries series;
+  series.title = title;
+  series.model = std::string(model.card().name);
+  series.is_logarithmic = is_only_held(moment);
+  series.marked_s = moment.time_s - (series.is_logarithmic ? moment.history.begin_s() : 0);
+  for (const prediction::Moment& at : curve_of(moment)) {
+    const prediction::ModelAnswer now =
+        ask_in_time(model, contact_case, geometry_at(contact_case, resolver, at), at).now;
+    if (!now.prediction.has_answer) continue;
+    series.time_s.push_back(at.time_s - (series.is_logarithmic ? moment.history.begin_s() : 0));
+    series.load_N.push_back(now.problem.load.normal_force_N);
+    series.length_m.push_back(2 * now.prediction.a_m);
+    series.width_m.push_back(2 * now.prediction.b_m);
+    series.indentation_m.push_back(now.prediction.indentation_m);
+    series.max_torque_Nm.push_back(now.friction_ellipsoid(rule).max_torque_Nm());
+  }
+  return series;
 }
 
 /// Line with the moments about the contact's two tangents, which the limit surface does not cover:
@@ -235,9 +260,9 @@ int run_predict(const PredictOptions& options) {
   const input::MeshBody* const mesh = shown_mesh(contact_case);
   if (options.write_page && options.page.empty())
     throw InputError("command line", "--page", "\"\"", "the name of an HTML file");
-  if (options.write_page && !mesh)
+  if (options.write_page && !mesh && !contact_case.times.are_given())
     throw InputError("command line", "--page", options.page,
-                     "for a case whose finger or object is a mesh");
+                     "for a case whose finger or object is a mesh, or with relaxation or history");
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   const judgement::DoubtedCases doubted(contact_case, resolver);
@@ -253,6 +278,7 @@ int run_predict(const PredictOptions& options) {
         "The errors are those of the elastic contact of the same size. They do not hold what is "
         "not known of the relaxation, nor that rubber at large strain relaxes by other shares\n";
   std::vector<std::string> titles, blocks;
+  std::vector<report::TimeSeries> series;
   std::string advice;  ///< what to do where an answer is not usable
   for (const Asked& asked : all_asked) {
     const prediction::LocalGeometry geometry =
@@ -308,6 +334,13 @@ int run_predict(const PredictOptions& options) {
       if (const std::string change = change_in_words(all.in_time[place], *asked.moment, rule);
           !change.empty())
         first_lines += "  " + change + "\n";
+    // A load that is answered at once and at rest has one curve.
+    if (options.write_page && asked.moment && first &&
+        !(asked.moment->is_held && asked.moment->time_s == 0))
+      series.push_back(
+          series_of(contact_case, resolver, *asked.moment,
+                    asked.moment->is_held ? fmt::format("{:g} N held", load_N) : "The history",
+                    *first->model, rule));
     titles.push_back(fmt::format("{:g} N{}", load_N, when));
     blocks.push_back(block_of(answers, first, first ? &all.elastic[place] : nullptr, rule, demand));
     // One search for all loads: it looks at many points of a mesh.
@@ -320,7 +353,19 @@ int run_predict(const PredictOptions& options) {
     evidence += fmt::format("\n{}: {}\n", titles.back(), prediction::describe(geometry)) +
                 table(answers, rule);
   }
-  if (options.write_page) write_page(options, contact_case, resolver, *mesh);
+  if (options.write_page && contact_case.times.are_given()) {
+    report::TimePage page;
+    page.case_id = contact_case.id;
+    page.facts = prediction::describe(contact_case);
+    page.answers = first_lines;
+    page.series = std::move(series);
+    page.version = "softfinger " + system::program_version();
+    page.command = options.command_line;
+    system::write_file_atomically(options.page, report::time_page(page));
+    remark("the page is " + options.page);
+  } else if (options.write_page) {
+    write_page(options, contact_case, resolver, *mesh);
+  }
   // Last, so that a refusal stays a single line.
   for (const std::string& line : prediction::power_law_remarks(contact_case)) remark(line);
   if (options.json) {
@@ -428,7 +473,8 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
   const CLI::Option* page = command->add_option(
       "--page", options->page,
       "HTML file to write, for a case with a mesh: the surface in 3-D with the region and the "
-      "quadric of each load, as softfinger mesh");
+      "quadric of each load, as softfinger mesh; for a case with relaxation or history: contact, "
+      "indentation and torque against time");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Case files may also contain, besides geometry, layer, contact and fem:\n"

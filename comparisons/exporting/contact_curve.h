@@ -23,7 +23,7 @@ struct LoadChoice {
 /// The load that the constants are made for, and the range over which their error is stated.
 struct LoadRange {
   double nominal_N = 0, lowest_N = 0, highest_N = 0;
-  /// Of a case with relaxation or history: the time that the constants are made for.
+  /// The time that the constants are made for, for a case with relaxation or history.
   double time_s = 0;
 };
 

@@ -7,7 +7,7 @@
 
 namespace softfinger::input {
 
-/// What a case says of time: how its layer relaxes, and how it is pressed.
+/// Time in a case: how its layer relaxes, and how it is pressed.
 struct ContactTimes {
   Relaxation relaxation;  ///< of the layer, whose typed modulus is the instantaneous one
   /// Loads in N or approaches in m over time; empty: each load of the case is put on at once, at

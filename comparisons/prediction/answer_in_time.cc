@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "comparisons/prediction/answer_json.h"
@@ -70,6 +71,43 @@ std::vector<Moment> moments_of(const input::Case& contact_case, std::optional<do
       if (!std::isinf(moment.time_s)) moment.history.at(moment.time_s);
   } catch (const InputError& error) {
     refuse_at(contact_case, error);
+  }
+  return moments;
+}
+
+bool is_only_held(const Moment& moment) {
+  return moment.history.begin_s() == moment.history.end_s();
+}
+
+std::vector<Moment> curve_of(const Moment& moment) {
+  const ContactHistory& history = moment.history;
+  const auto& terms = history.relaxation().terms();
+  const double begin_s = history.begin_s();
+  std::vector<double> times_s = {begin_s};
+  constexpr int kCurvePoints = 80;
+  if (is_only_held(moment)) {
+    const double first_s = terms.empty() ? 1e-2 : terms.back().time_s / 20;
+    double last_s = terms.empty() ? 1 : 20 * terms.front().time_s;
+    if (std::isfinite(moment.time_s)) last_s = std::max(last_s, 2 * (moment.time_s - begin_s));
+    for (int i = 0; i <= kCurvePoints; ++i)
+      times_s.push_back(begin_s + first_s * std::pow(last_s / first_s, i / double(kCurvePoints)));
+  } else {
+    const double end_s =
+        std::isfinite(moment.time_s) ? std::max(history.end_s(), moment.time_s) : history.end_s();
+    for (int i = 1; i <= kCurvePoints; ++i)
+      times_s.push_back(begin_s + (end_s - begin_s) * i / kCurvePoints);
+    for (const double time_s : history.times_s()) times_s.push_back(time_s);
+    std::sort(times_s.begin(), times_s.end());
+    times_s.erase(std::unique(times_s.begin(), times_s.end()), times_s.end());
+  }
+  std::vector<Moment> moments;
+  for (const double time_s : times_s) {
+    try {
+      history.at(time_s);
+      moments.push_back({history, time_s, moment.is_held});
+    } catch (const InputError&) {
+      // A time at which nothing touches, or the contact has grown again: the page says so.
+    }
   }
   return moments;
 }

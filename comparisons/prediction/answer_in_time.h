@@ -24,6 +24,13 @@ struct Moment {
 /// @throws InputError for a time that the history does not know
 std::vector<Moment> moments_of(const input::Case& contact_case, std::optional<double> time_s);
 
+/// Moments for a curve against time: from at once to rest, evenly in ln t, where a load or approach
+/// is only held; else over the history, to its end or the moment's time if that is later. Without
+/// those at which nothing is known.
+std::vector<Moment> curve_of(const Moment& moment);
+/// Whether such a curve is over ln t.
+bool is_only_held(const Moment& moment);
+
 /// The moment of a load at a time: held since the time 0, or the case's history of loads times a
 /// factor.
 /// @throws InputError as `moments_of`, and for a history of approaches

@@ -119,6 +119,23 @@ TEST_F(TimeProgram, AnApproachThatIsHeldLosesItsLoadAsTheModulusFalls) {
   EXPECT_EQ(later["a_m"], start_of["a_m"]);
 }
 
+TEST_F(TimeProgram, WritesCurvesAgainstTime) {
+  for (const char* contact :
+       {"load_N = [2, 5]", kUpAndDown, "history = [{ time_s = 1, approach_mm = 0.4 }]"}) {
+    const std::string page = (folder.path() / "page.html").string();
+    const ProgramRun made = run({"predict", case_with(contact), "--page", page});
+    ASSERT_EQ(made.status, 0) << made.err;
+    const std::string html = file_text(page);
+    std::size_t charts = 0;
+    for (std::size_t at = html.find("<svg"); at != std::string::npos;
+         at = html.find("<svg", at + 1))
+      ++charts;
+    EXPECT_EQ(charts, contact[0] == 'l' ? 8u : 4u) << contact;
+    for (const char* no_number : {"nan", "inf "})
+      EXPECT_EQ(html.substr(0, html.find("provenance")).find(no_number), std::string::npos);
+  }
+}
+
 TEST_F(TimeProgram, ExportsForATime) {
   const std::string creeps = case_with("load_N = 2");
   const json later = predicted({creeps, "--at-time", "10"})["results"][0];

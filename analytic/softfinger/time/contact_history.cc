@@ -138,6 +138,12 @@ double ContactHistory::value(double time_s) const {
   return time_s < begin_s() ? 0 : value_of(segment_at(time_s), time_s);
 }
 
+std::vector<double> ContactHistory::times_s() const {
+  std::vector<double> times;
+  for (const Segment& segment : segments_) times.push_back(segment.begin_s);
+  return times;
+}
+
 /// The first moment at which the contact shrinks.
 void ContactHistory::find_peak() {
   peak_.time_s = kInfinity;

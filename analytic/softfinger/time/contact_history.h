@@ -50,6 +50,8 @@ class ContactHistory {
   Drive drive() const { return drive_; }
   double begin_s() const { return segments_.front().begin_s; }
   double end_s() const { return segments_.back().begin_s; }
+  /// Times of the points, ascending, each once.
+  std::vector<double> times_s() const;
   /// The prescribed number at a time, after a step at this time.
   double value(double time_s) const;
 
