@@ -39,7 +39,12 @@ struct Change {
   double a, b, area, indentation, peak_pressure, max_torque, load;
 };
 Change change_of(const AnswerInTime& answer, TorqueRule rule) {
-  const auto relative = [](double now, double before) { return now / before - 1; };
+  // A change below the models' rounding is none.
+  constexpr double kRounding = 1e-9;
+  const auto relative = [](double now, double before) {
+    const double change = now / before - 1;
+    return std::abs(change) < kRounding ? 0 : change;
+  };
   const Prediction& now = answer.now.prediction;
   const Prediction& before = answer.unrelaxed.prediction;
   return {relative(now.a_m, before.a_m),
