@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <random>
 
 #include "tests/comparisons/run_program.h"
 
@@ -134,6 +135,48 @@ TEST_F(TimeProgram, WritesCurvesAgainstTime) {
     for (const char* no_number : {"nan", "inf "})
       EXPECT_EQ(html.substr(0, html.find("provenance")).find(no_number), std::string::npos);
   }
+}
+
+TEST_F(TimeProgram, CalibratesSharesAndTimesFromForceAgainstTime) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> scatter;
+  std::string table = "# held at 0.4 mm\ntime_s,load_N\n";
+  for (int i = 0; i < 50; ++i) {
+    const double t = 0.05 * std::pow(1000, i / 49.);
+    const double force_N =
+        3 * (1 - 0.15 * (1 - std::exp(-t / 0.5)) - 0.05 * (1 - std::exp(-t / 5)));
+    table +=
+        std::to_string(t) + "," + std::to_string(force_N * (1 + 4e-4 * scatter(random))) + "\n";
+  }
+  const std::string data = folder.write("held.csv", table).string();
+  const std::string elastic = case_with("load_N = 2", "");
+  const ProgramRun made = run({"calibrate", data, elastic, "--json"});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const json found = json::parse(made.out);
+  ASSERT_EQ(found["relaxation"].size(), 2u) << made.out;
+  const double shares[] = {0.15, 0.05}, times_s[] = {0.5, 5};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const json& term = found["relaxation"][i];
+    EXPECT_NEAR(term["share"].get<double>(), shares[i], 4 * term["share_std"].get<double>());
+    EXPECT_LT(term["time_interval95_s"][0].get<double>(), 1.1 * times_s[i]);
+    EXPECT_GT(term["time_interval95_s"][1].get<double>(), 0.9 * times_s[i]);
+  }
+  EXPECT_GE(found["cannot_tell"].size(), 3u);
+  const std::string fitted = (folder.path() / "fitted.toml").string();
+  const ProgramRun text = run({"calibrate", data, elastic, "--output", fitted});
+  ASSERT_EQ(text.status, 0) << text.err;
+  EXPECT_EQ(text.out.rfind("relaxation = [{ share = 0.1", 0), 0u) << text.out;
+  EXPECT_EQ(predicted({fitted, "--at-time", "3"})["relaxation"].size(), 2u);
+
+  expect_refusal({"calibrate", data, elastic, "--fit", "thickness"}, "--fit = thickness");
+  const auto refused = [&](const std::string& bad, const std::string& part) {
+    expect_refusal({"calibrate", folder.write("bad.csv", bad).string(), elastic}, part);
+  };
+  refused("time_s,load_N\n0,1\n", "number of forces = 1: allowed: at least 6");
+  refused("time_s,load_N\n0,one\n", "bad.csv:2: load_N = \"one\"");
+  refused("time_s,load\n0,1\n", "did you mean \"load_N\"");
+  refused("time_s\n0\n", "no column = load_N");
+  refused("time_s,load_N\n0,1,2\n", "number of cells = 3");
 }
 
 TEST_F(TimeProgram, ExportsForATime) {
