@@ -210,7 +210,8 @@ void adopt_errors(AnswerInTime& answer) {
 std::string change_in_words(const AnswerInTime& answer, const Moment& moment, TorqueRule rule) {
   const bool has_answers =
       answer.now.prediction.has_answer && answer.unrelaxed.prediction.has_answer;
-  if (!has_answers || (moment.is_held && moment.time_s == 0)) return "";
+  const bool is_elastic = moment.history.relaxation().is_elastic();
+  if (!has_answers || is_elastic || (moment.is_held && moment.time_s == 0)) return "";
   const Change change = change_of(answer, rule);
   std::string text = moment.is_held ? "against t = 0: " : "against rubber that has not relaxed: ";
   if (moment.history.drive() == Drive::approach)

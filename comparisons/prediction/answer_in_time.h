@@ -64,7 +64,7 @@ AnswerInTime ask_in_time(const PressureModel& model, const input::Case& contact_
 void adopt_errors(AnswerInTime& answer);
 
 /// "against t = 0: torque +1.4 %, area +9 %, indentation +12 %; as large as ..": a line for people.
-/// Empty at the time 0 and without an answer.
+/// Empty at the time 0, for an elastic layer and without an answer.
 std::string change_in_words(const AnswerInTime& answer, const Moment& moment, TorqueRule rule);
 
 /// The keys of `to_json(answer.now, ..)`, and `time_s` (null: at rest), `effective_load_N`,
