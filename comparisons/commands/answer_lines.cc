@@ -65,8 +65,9 @@ std::string in_words(const std::optional<judgement::InputDoubt>& inputs) {
 
 std::string answer_line(double load_N, const ModelAnswer* answer, prediction::TorqueRule rule,
                         const prediction::Demand& demand,
-                        const std::optional<judgement::InputDoubt>& inputs) {
-  if (!answer) return fmt::format("{:g} N: NO ANSWER by any of these models\n", load_N);
+                        const std::optional<judgement::InputDoubt>& inputs,
+                        const std::string& when) {
+  if (!answer) return fmt::format("{:g} N{}: NO ANSWER by any of these models\n", load_N, when);
   const Prediction& p = answer->prediction;
   const FrictionEllipsoid limit = answer->friction_ellipsoid(rule);
   const bool usable = answer->assessment && answer->assessment->usable;
@@ -79,8 +80,10 @@ std::string answer_line(double load_N, const ModelAnswer* answer, prediction::To
                                                         rounded(limit.max_torque_Nm() / load_N))
              : "";
   return fmt::format(
-      "{:g} N: {}torque {:.3g} mN·m ± {}{}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm{}{}\n",
-      load_N, usable ? "" : "NOT USABLE within " + text::percent(demand.tolerance) + ": ",
+      "{:.6g} N{}: {}torque {:.3g} mN·m ± {}{}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm"
+      "{}{}\n",
+      when.empty() ? load_N : rounded(load_N), when,
+      usable ? "" : "NOT USABLE within " + text::percent(demand.tolerance) + ": ",
       1e3 * limit.max_torque_Nm(), bound_in_words(*answer, {Quantity::max_torque}),
       in_words(inputs), answer->model->card().name, 2e3 * p.a_m, 2e3 * p.b_m,
       1e3 * limit.eccentricity_m, force, lines);

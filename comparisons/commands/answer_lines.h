@@ -16,9 +16,11 @@ namespace softfinger::commands {
 /// against the finger itself, with what the geometry leaves open. Without an answer it says why.
 /// @param answer  assessed; null where no model has an answer
 /// @param inputs  what the case's own doubts move, where it has any
+/// @param when    " held 10 s", after the load
 std::string answer_line(double load_N, const prediction::ModelAnswer* answer,
                         prediction::TorqueRule rule, const prediction::Demand& demand,
-                        const std::optional<judgement::InputDoubt>& inputs);
+                        const std::optional<judgement::InputDoubt>& inputs,
+                        const std::string& when = "");
 
 /// "", or " (by the inputs ± 18 %)".
 std::string in_words(const std::optional<judgement::InputDoubt>& inputs);

@@ -4,9 +4,11 @@
 #include <variant>
 
 #include "comparisons/calibration/calibration_report.h"
+#include "comparisons/calibration/relaxation_report.h"
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/number_option.h"
+#include "comparisons/input/held_forces.h"
 #include "comparisons/report/calibration_page.h"
 #include "comparisons/system/clock.h"
 #include "comparisons/system/files.h"
@@ -129,6 +131,53 @@ const PressureModel* chosen_model(const std::string& name) {
                    text::joined(names));
 }
 
+/// Force against time at constant approach: how the layer relaxes, which no model is needed for.
+int calibrate_relaxation(const CalibrateOptions& options, const std::string& data_text,
+                         const std::string& file) {
+  const auto refuse = [](const char* flag, const std::string& value) {
+    throw InputError("command line", flag, value,
+                     "nothing for force against time: shares and times of relaxation are found");
+  };
+  if (!options.fit.empty()) refuse("--fit", options.fit);
+  if (!options.fixed.empty()) refuse("--fix", options.fixed.front());
+  if (!options.page.empty()) refuse("--page", options.page);
+  const std::vector<HeldForce> forces = input::parse_held_forces(data_text, file);
+  input::Settings settings = settings_of(options.settings);
+  const auto read = [&] {
+    return input::read_case(system::find_case_file(options.case_file), settings,
+                            input::FlatPads::taken, input::Times::taken);
+  };
+  const input::Case typed = read();
+  refuse_pad(typed, "softfinger calibrate with force against time");
+  RelaxationFit fit;
+  try {
+    fit = fit_relaxation(forces);
+  } catch (const InputError& error) {
+    throw InputError(file, error.field(), error.value(), error.allowed());
+  }
+  if (!options.output.empty()) {
+    if (fit.terms.empty())
+      throw InputError("command line", "--output", options.output,
+                       "forces that fall: no relaxation is seen in these");
+    settings.push_back(
+        {"layer.relaxation", calibration::relaxation_toml(fit), "found by softfinger calibrate"});
+    if (options.case_file == "-")
+      throw InputError("command line", "--output", options.output,
+                       "a case in a file, which is read a second time");
+    const std::string text = read().text;
+    input::parse_case(text, options.output, {}, input::FlatPads::taken, input::Times::taken);
+    system::write_file_atomically(options.output, text);
+    remark("the case with relaxation is " + options.output);
+  }
+  nlohmann::json object = calibration::to_json(fit, forces);
+  object["case"] = typed.id;
+  if (options.json)
+    system::write_to_stdout(text::printed(object));
+  else
+    system::write_text_to_stdout(calibration::describe(fit, forces));
+  return 0;
+}
+
 int run_calibrate(const CalibrateOptions& options) {
   calibration::Request request;
   request.model = chosen_model(options.model);
@@ -149,11 +198,13 @@ int run_calibrate(const CalibrateOptions& options) {
   const std::string data_text = from_standard_input
                                     ? system::read_standard_input(input::kLargestMeasurementFile)
                                     : system::read_text_file(path, input::kLargestMeasurementFile);
+  if (input::has_times(data_text)) return calibrate_relaxation(options, data_text, path.string());
   const input::MeasurementTable table = input::parse_measurements(data_text, path.string());
   const input::Case contact_case =
       input::read_case(system::find_case_file(options.case_file), settings_of(options.settings),
-                       input::FlatPads::taken);
+                       input::FlatPads::taken, input::Times::taken);
   input::refuse_pressing(contact_case, "softfinger calibrate");
+  input::refuse_times(contact_case, "softfinger calibrate");
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
     throw InputError(
         contact_case.geometry_where,
@@ -228,6 +279,8 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
       "Each may have its standard deviation in a column of the same name with _std. Cells may be\n"
       "empty. Values without an error get one from their scatter about the fit. Lines that begin\n"
       "with # are skipped. At most 1000 rows and 1 MiB.\n"
+      "Or time_s and load_N, the force while the approach stands still: shares and times of\n"
+      "[layer] relaxation are found, at most three, and what the data cannot tell.\n"
       "An interval holds the truth in 95 % of all cases, if the model is right. A parameter is\n"
       "determined where its interval spans less than a factor of two. Areas come from ink prints\n"
       "by `softfinger area`.\n"

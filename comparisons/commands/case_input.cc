@@ -135,10 +135,11 @@ input::Case read_case(const CaseInput& typed) {
     throw InputError(typed.file, "file", "a mesh",
                      "a case, which names the mesh: softfinger mesh FILE prints the line for it");
   if (!typed.file.empty()) {
-    input::Case read =
-        input::read_case(system::find_case_file(typed.file), settings, input::FlatPads::taken);
+    input::Case read = input::read_case(system::find_case_file(typed.file), settings,
+                                        input::FlatPads::taken, input::Times::taken);
     if (typed.pads == input::FlatPads::refused) refuse_pad(read, "softfinger " + typed.command);
     if (!typed.presses_with_friction) refuse_pressing(read, "softfinger " + typed.command);
+    if (typed.times == input::Times::refused) refuse_times(read, "softfinger " + typed.command);
     for (const std::string& line : read.remarks) remark(line);
     return read;
   }
@@ -148,13 +149,22 @@ input::Case read_case(const CaseInput& typed) {
     has_friction = has_friction || setting.key == "contact.friction_coefficient" ||
                    setting.key == "contact.shear_law";
   if (!has_friction) text += "[contact]\nfriction_coefficient = 1\n";
-  input::Case made = input::parse_case(text, "command line", settings, input::FlatPads::taken);
+  input::Case made = input::parse_case(text, "command line", settings, input::FlatPads::taken,
+                                       input::Times::taken);
   if (typed.pads == input::FlatPads::refused) refuse_pad(made, "softfinger " + typed.command);
   if (!typed.presses_with_friction) refuse_pressing(made, "softfinger " + typed.command);
+  if (typed.times == input::Times::refused) refuse_times(made, "softfinger " + typed.command);
   for (const std::string& line : made.remarks) remark(line);
   if (!has_friction)
     remark("no --friction: a coefficient of 1 is taken, the torque is proportional to it");
   return made;
+}
+
+void refuse_time_without_times(const input::Case& contact_case, const std::string& at_time) {
+  if (contact_case.times.are_given()) return;
+  throw InputError("command line", "--at-time", at_time,
+                   "for a case with [layer] relaxation or [contact] history: nothing changes with "
+                   "time here");
 }
 
 }  // namespace softfinger::commands

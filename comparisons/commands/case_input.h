@@ -14,6 +14,7 @@ struct CaseInput {
   std::string command;  ///< that takes them: "predict"
   input::FlatPads pads = input::FlatPads::refused;
   bool presses_with_friction = false;
+  input::Times times = input::Times::refused;
   std::string file;  ///< as typed; empty: all by numbers
   std::vector<std::string> settings;
   std::string radii_mm, pad_mm, pad_diameter_mm, thickness_mm, youngs_modulus_kPa, poisson_ratio,
@@ -40,5 +41,8 @@ input::Settings settings_of(const CaseInput& typed);
 
 /// @throws InputError
 input::Case read_case(const CaseInput& typed);
+
+/// @throws InputError where --at-time has been typed for a case in which nothing changes with time
+void refuse_time_without_times(const input::Case& contact_case, const std::string& at_time);
 
 }  // namespace softfinger::commands

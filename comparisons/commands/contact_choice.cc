@@ -8,6 +8,7 @@
 #include "comparisons/commands/answer_lines.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/number_option.h"
+#include "comparisons/prediction/answer_in_time.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "comparisons/text/nearest_name.h"
@@ -82,11 +83,28 @@ input::Case read_contact_case(const ContactChoice& choice) {
   check_contact_choice(choice);
   CaseInput typed_case = choice.typed_case;
   if (typed_case.file.empty()) typed_case.load_N = choice.load;
-  return read_case(typed_case);
+  input::Case read = read_case(typed_case);
+  if (!choice.at_time.empty()) refuse_time_without_times(read, choice.at_time);
+  return read;
 }
 
 exporting::LoadRange loads_of(const input::Case& contact_case, const ContactChoice& choice) {
-  return exporting::choose_loads(contact_case.loads_N, load_choice(choice));
+  const input::ContactTimes& times = contact_case.times;
+  std::optional<double> time_s;
+  if (!choice.at_time.empty()) {
+    time_s = number_of("--at-time", choice.at_time, "a finite number of seconds");
+  }
+  if (!times.are_given()) return exporting::choose_loads(contact_case.loads_N, load_choice(choice));
+  std::vector<double> loads_N = contact_case.loads_N;
+  if (!times.history.empty() && !time_s) time_s = times.history.back().time_s;
+  const double at_s = time_s.value_or(0);
+  // Refuses what nothing is known of, in the words of predict.
+  if (!times.history.empty() && times.drive == ContactHistory::Drive::load)
+    loads_N = {prediction::moments_of(contact_case, at_s).front().history.value(at_s)};
+  exporting::LoadRange loads =
+      exporting::choose_loads(loads_N.empty() ? std::vector{1.} : loads_N, load_choice(choice));
+  loads.time_s = at_s;
+  return loads;
 }
 
 exporting::ContactCurve ask_contact_curve(const input::Case& contact_case,
@@ -114,9 +132,9 @@ std::string answer_line(const exporting::ContactCurve& curve) {
       fmt::format("torque {:.3g} mN·m {}{}, by {}; contact {:.3g} x {:.3g} mm; e_n {:.3g} mm",
                   1e3 * point.max_torque_Nm(), short_error(point), in_words(point.inputs),
                   curve.model, 2e3 * point.a_m, 2e3 * point.b_m, 1e3 * point.eccentricity_m);
-  return curve.advice.empty()
-             ? fmt::format("{:g} N: {}\n", point.load_N, answer)
-             : fmt::format("NOT USABLE: {} ({:g} N: {})\n", curve.advice, point.load_N, answer);
+  return curve.advice.empty() ? fmt::format("{:g} N{}: {}\n", point.load_N, curve.when, answer)
+                              : fmt::format("NOT USABLE: {} ({:g} N{}: {})\n", curve.advice,
+                                            point.load_N, curve.when, answer);
 }
 
 }  // namespace softfinger::commands

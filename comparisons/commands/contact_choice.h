@@ -16,7 +16,8 @@ struct ContactChoice {
   CaseInput typed_case;
   std::string model, load, load_range, fit = "nominal";  ///< no model: the recommended one
   DemandInput demand;
-  bool force = false;  ///< also where the answer is not usable
+  std::string at_time;  ///< for a case that knows time, where the command takes one; may be empty
+  bool force = false;   ///< also where the answer is not usable
 
   exporting::Fit kind_of_fit() const;
 };

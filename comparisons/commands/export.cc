@@ -11,6 +11,7 @@
 #include "comparisons/commands/export_pad.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
+#include "comparisons/prediction/answer_in_time.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/system/files.h"
@@ -187,15 +188,28 @@ int run_export(const ExportOptions& options) {
   input::refuse_curved_pad(contact_case, "softfinger export");
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
     return export_pad(simulator, contact_case, options.contact, options.json);
+  if (contact_case.times.are_given() && options.contact.at_time.empty() &&
+      contact_case.times.history.empty())
+    remark(
+        "the rubber relaxes: these lines are for a load that was put on just now; --at-time S is "
+        "for one that is held");
   const ContactCurve curve = ask_contact_curve(contact_case, options.contact);
   const Export made(simulator, curve, options.contact.kind_of_fit());
   const bool usable = curve.nominal.assessment.usable, told = usable || options.contact.force;
-  if (options.json)
-    system::write_to_stdout(text::printed(to_json(made, options.contact.fit, told)));
-  else
+  if (options.json) {
+    nlohmann::json object = to_json(made, options.contact.fit, told);
+    if (contact_case.times.are_given()) {
+      object["time_s"] = loads_of(contact_case, options.contact).time_s;
+      object["effective_load_N"] = curve.nominal.effective_load_N;
+      object["relaxation"] = prediction::relaxation_json(contact_case.times);
+      object["history"] = prediction::history_json(contact_case.times);
+    }
+    system::write_to_stdout(text::printed(object));
+  } else {
     system::write_text_to_stdout(answer_line(curve) +
                                  (told ? "\n" + to_text(made) + evidence_text(contact_case, curve)
                                        : std::string(kHowToForce)));
+  }
   return usable ? 0 : 1;
 }
 
@@ -207,6 +221,7 @@ void add_export(CLI::App& app, Action& action) {
       "export",
       "What to type into a simulator, and the error of its constants over a range of loads");
   add_case(*command, options->contact.typed_case, true, input::FlatPads::taken);
+  options->contact.typed_case.times = input::Times::taken;
   command
       ->add_option(
           "--to", options->to,
@@ -214,6 +229,9 @@ void add_export(CLI::App& app, Action& action) {
           "physx or usd")
       ->required();
   add_contact_choice(*command, options->contact);
+  command->add_option("--at-time", options->contact.at_time,
+                      "seconds: the contact at this time, for a case with [layer] relaxation or "
+                      "[contact] history; default: the end of the history, else at once");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "e_n is the largest torque about the normal divided by mu P; it grows with the load, by "
@@ -222,6 +240,9 @@ void add_export(CLI::App& app, Action& action) {
       "case the largest force / load, exported as mu, depends on the load too; e_n is then over "
       "the\n"
       "largest force, and both errors are stated.\n"
+      "A case with relaxation or history is exported for one time; over the range of loads its\n"
+      "history is scaled, and the stiffness is that of quick motion: "
+      "docs/a_gripper_that_creeps.md.\n"
       "A flat pad is exported as a box whose corners lie at e_n from its middle, and as one point: "
       "docs/flat_pads.md.\n"
       "Samples:\n"

@@ -47,7 +47,8 @@ std::vector<Entry> entries(const std::string& kind) {
         {std::string(line_layer().card().name), std::string(line_layer().card().title)});
   if (kind == "cases")
     for (const auto& file : system::builtin_case_files()) {
-      const input::Case contact_case = input::read_case(file, {}, input::FlatPads::taken);
+      const input::Case contact_case =
+          input::read_case(file, {}, input::FlatPads::taken, input::Times::taken);
       found.push_back(
           {file.stem().string(), fmt::format("{} ({})", contact_case.question,
                                              judgement::load_list(contact_case.loads_N))});

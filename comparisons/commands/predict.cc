@@ -12,6 +12,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/demand_input.h"
 #include "comparisons/commands/mesh_points_text.h"
+#include "comparisons/commands/number_option.h"
 #include "comparisons/commands/predict_pad.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
@@ -20,12 +21,14 @@
 #include "comparisons/judgement/input_doubt.h"
 #include "comparisons/judgement/next_step.h"
 #include "comparisons/judgement/recommended.h"
+#include "comparisons/prediction/answer_in_time.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/prediction/ask_model.h"
 #include "comparisons/prediction/curved_pad.h"
 #include "comparisons/prediction/gap_sampling.h"
 #include "comparisons/prediction/pad_answer.h"
+#include "comparisons/report/time_page.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
 #include "comparisons/system/terminal.h"
@@ -40,7 +43,7 @@ namespace {
 struct PredictOptions {
   CaseInput typed_case;
   DemandInput demand;
-  std::string models = "all", torque_rule = "exact", gap = "quadric", page, command_line;
+  std::string models = "all", torque_rule = "exact", gap = "quadric", page, command_line, at_time;
   int limit_surface = 0;
   bool json = false, explain = false, write_page = false;
 };
@@ -120,6 +123,30 @@ void write_page(const PredictOptions& options, const input::Case& contact_case,
                   resolver.surface(mesh), points, options.command_line);
 }
 
+/// Curves of one model from a moment's first touch on.
+report::TimeSeries series_of(const input::Case& contact_case,
+                             const prediction::GeometryResolver& resolver,
+                             const prediction::Moment& moment, const std::string& title,
+                             const PressureModel& model, prediction::TorqueRule rule) {
+  report::TimeSeries series;
+  series.title = title;
+  series.model = std::string(model.card().name);
+  series.is_logarithmic = is_only_held(moment);
+  series.marked_s = moment.time_s - (series.is_logarithmic ? moment.history.begin_s() : 0);
+  for (const prediction::Moment& at : curve_of(moment)) {
+    const prediction::ModelAnswer now =
+        ask_in_time(model, contact_case, geometry_at(contact_case, resolver, at), at).now;
+    if (!now.prediction.has_answer) continue;
+    series.time_s.push_back(at.time_s - (series.is_logarithmic ? moment.history.begin_s() : 0));
+    series.load_N.push_back(now.problem.load.normal_force_N);
+    series.length_m.push_back(2 * now.prediction.a_m);
+    series.width_m.push_back(2 * now.prediction.b_m);
+    series.indentation_m.push_back(now.prediction.indentation_m);
+    series.max_torque_Nm.push_back(now.friction_ellipsoid(rule).max_torque_Nm());
+  }
+  return series;
+}
+
 /// Line with the moments about the contact's two tangents, which the limit surface does not cover:
 /// rolling stiffness and tilt limit.
 std::string tilting_text(const nlohmann::json& result) {
@@ -141,12 +168,13 @@ std::string tilting_text(const nlohmann::json& result) {
 }
 
 /// Lines below the first line of a load.
+/// @param elastic  the contact that `first` is as large as
 std::string block_of(const std::vector<prediction::ModelAnswer>& answers,
-                     const prediction::ModelAnswer* first, prediction::TorqueRule rule,
-                     const prediction::Demand& demand) {
+                     const prediction::ModelAnswer* first, const prediction::ModelAnswer* elastic,
+                     prediction::TorqueRule rule, const prediction::Demand& demand) {
   std::string text;
-  if (first)
-    if (const std::string inputs = judgement::cost_of_inputs(*first, rule); !inputs.empty())
+  if (elastic)
+    if (const std::string inputs = judgement::cost_of_inputs(*elastic, rule); !inputs.empty())
       text += "  torque by the inputs: " + inputs + "\n";
   for (const prediction::ModelAnswer& answer : answers) {
     if (!answer.sampled || !answer.prediction.has_answer) continue;
@@ -189,77 +217,161 @@ input::Case settle_pad(const input::Case& typed) {
   return ordinary;
 }
 
+/// One load, or one moment of a case that knows time.
+struct Asked {
+  double load_N;
+  std::optional<prediction::Moment> moment;
+};
+
+std::vector<Asked> asked_of(const PredictOptions& options, const input::Case& contact_case) {
+  std::vector<Asked> all;
+  const bool knows_time = contact_case.times.are_given();
+  std::optional<double> time_s;
+  if (!options.at_time.empty()) {
+    time_s = number_of("--at-time", options.at_time, "a finite number of seconds");
+  }
+  if (knows_time && options.gap != "quadric")
+    throw InputError("command line", "--gap", options.gap,
+                     "\"quadric\" for a case with relaxation or history");
+  if (knows_time)
+    for (const prediction::Moment& moment : prediction::moments_of(contact_case, time_s))
+      all.push_back({moment.history.value(moment.time_s), moment});
+  else
+    for (const double load_N : contact_case.loads_N) all.push_back({load_N, std::nullopt});
+  return all;
+}
+
+/// Asks all models of one load or moment, in the order of `models`.
+struct AskedAnswers {
+  std::vector<prediction::ModelAnswer> answers, elastic;
+  std::vector<std::optional<judgement::InputDoubt>> doubts;
+  std::vector<prediction::AnswerInTime> in_time;  ///< with a moment
+};
+
 int run_predict(const PredictOptions& options) {
   const prediction::Demand demand = options.demand.demand();
   const input::Case contact_case = settle_pad(read_case(options.typed_case));
+  if (!options.at_time.empty()) refuse_time_without_times(contact_case, options.at_time);
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
     return run_predict_pad(options, demand, contact_case);
   const auto models = chosen_models(options, contact_case);
-  check_limit_surface(options, models.size() * contact_case.loads_N.size());
+  const std::vector<Asked> all_asked = asked_of(options, contact_case);
+  check_limit_surface(options, models.size() * all_asked.size());
   const input::MeshBody* const mesh = shown_mesh(contact_case);
   if (options.write_page && options.page.empty())
     throw InputError("command line", "--page", "\"\"", "the name of an HTML file");
-  if (options.write_page && !mesh)
+  if (options.write_page && !mesh && !contact_case.times.are_given())
     throw InputError("command line", "--page", options.page,
-                     "for a case whose finger or object is a mesh");
+                     "for a case whose finger or object is a mesh, or with relaxation or history");
   const prediction::GeometryResolver resolver(contact_case);
   for (const std::string& line : resolver.remarks()) remark(line);
   const judgement::DoubtedCases doubted(contact_case, resolver);
   const prediction::TorqueRule rule = options.torque_rule == "paper"
                                           ? prediction::TorqueRule::paper
                                           : prediction::TorqueRule::exact;
-  const double budget_ns =
-      kCostBudget_ns / static_cast<double>(models.size() * contact_case.loads_N.size());
+  const double budget_ns = kCostBudget_ns / static_cast<double>(models.size() * all_asked.size());
 
   nlohmann::json results = nlohmann::json::array(), geometries = nlohmann::json::array();
   std::string first_lines, evidence = prediction::describe(contact_case) + "\n";
-  std::vector<std::string> blocks;
+  if (contact_case.times.are_given())
+    evidence +=
+        "The errors are those of the elastic contact of the same size. They do not hold what is "
+        "not known of the relaxation, nor that rubber at large strain relaxes by other shares\n";
+  std::vector<std::string> titles, blocks;
+  std::vector<report::TimeSeries> series;
   std::string advice;  ///< what to do where an answer is not usable
-  for (double load_N : contact_case.loads_N) {
+  for (const Asked& asked : all_asked) {
     const prediction::LocalGeometry geometry =
-        judgement::resolve_or_advise(contact_case, resolver, load_N, demand);
-    std::vector<prediction::ModelAnswer> answers;
+        asked.moment ? geometry_at(contact_case, resolver, *asked.moment)
+                     : judgement::resolve_or_advise(contact_case, resolver, asked.load_N, demand);
+    AskedAnswers all;
+    std::vector<prediction::ModelAnswer>& answers = all.answers;
     for (const PressureModel* model : models) {
-      if (options.gap == "sampled" && model->card().name == "layer_fft")
-        answers.push_back(prediction::ask_sampled_gap(resolver, geometry, contact_case, load_N));
-      else
-        answers.push_back(prediction::ask_model(*model, contact_case, geometry, load_N, budget_ns));
+      if (asked.moment) {
+        all.in_time.push_back(
+            ask_in_time(*model, contact_case, geometry, *asked.moment, budget_ns));
+        answers.push_back(all.in_time.back().elastic);
+      } else if (options.gap == "sampled" && model->card().name == "layer_fft") {
+        answers.push_back(
+            prediction::ask_sampled_gap(resolver, geometry, contact_case, asked.load_N));
+      } else {
+        answers.push_back(
+            prediction::ask_model(*model, contact_case, geometry, asked.load_N, budget_ns));
+      }
       if (geometry.patch)
         prediction::propagate_radii_uncertainty(geometry.patch->relative, answers.back());
       answers.back().assessment =
           judgement::assess(contact_case, geometry, answers.back(), rule, demand);
-      results.push_back(to_json(answers.back(), rule, options.limit_surface));
+      all.doubts.push_back(doubted.move(answers.back(), rule));
+      all.elastic.push_back(answers.back());
+      if (asked.moment) {
+        prediction::AnswerInTime& in_time = all.in_time.back();
+        in_time.elastic = answers.back();
+        adopt_errors(in_time);
+        answers.back() = in_time.now;
+        results.push_back(to_json(in_time, *asked.moment, rule, options.limit_surface));
+      } else {
+        results.push_back(to_json(answers.back(), rule, options.limit_surface));
+      }
     }
     const prediction::ModelAnswer* const first = judgement::recommended(answers);
+    const std::size_t place = first ? std::size_t(first - answers.data()) : 0;
     for (std::size_t i = 0; i < answers.size(); ++i) {
       nlohmann::json& result = results[results.size() - answers.size() + i];
       result["recommended"] = &answers[i] == first;
-      result["input_doubt"] = to_json(doubted.move(answers[i], rule));
+      result["input_doubt"] = to_json(all.doubts[i]);
     }
+    // Under a prescribed approach the load is the model's.
+    const double load_N = asked.moment && first ? first->problem.load.normal_force_N : asked.load_N;
     geometries.push_back({{"load_N", load_N},
                           {"radii_m", {geometry.radii.major_m, geometry.radii.minor_m}},
                           {"axis_rad", geometry.radii.axis_rad},
                           {"patch", prediction::patch_to_json(geometry)}});
+    const std::string when = asked.moment ? " " + prediction::in_words(*asked.moment) : "";
     first_lines +=
-        answer_line(load_N, first, rule, demand, first ? doubted.move(*first, rule) : std::nullopt);
-    blocks.push_back(block_of(answers, first, rule, demand));
+        answer_line(load_N, first, rule, demand, first ? all.doubts[place] : std::nullopt, when);
+    if (asked.moment && first)
+      if (const std::string change = change_in_words(all.in_time[place], *asked.moment, rule);
+          !change.empty())
+        first_lines += "  " + change + "\n";
+    // A load that is answered at once and at rest has one curve.
+    if (options.write_page && asked.moment && first &&
+        !(asked.moment->is_held && asked.moment->time_s == 0))
+      series.push_back(
+          series_of(contact_case, resolver, *asked.moment,
+                    asked.moment->is_held ? fmt::format("{:g} N held", load_N) : "The history",
+                    *first->model, rule));
+    titles.push_back(fmt::format("{:g} N{}", load_N, when));
+    blocks.push_back(block_of(answers, first, first ? &all.elastic[place] : nullptr, rule, demand));
     // One search for all loads: it looks at many points of a mesh.
-    if (!options.json && advice.empty() && first && !first->assessment->usable)
+    if (!options.json && !asked.moment && advice.empty() && first && !first->assessment->usable)
       advice = judgement::next_step(contact_case, resolver, *first, demand).in_words();
     if (!options.json && advice.empty() && !first)
       advice = fmt::format(
           "without --model: {} is the recommended one",
           default_model(prediction::contact_problem(contact_case, geometry, load_N)).card().name);
-    evidence += fmt::format("\n{:g} N: {}\n", load_N, prediction::describe(geometry)) +
+    evidence += fmt::format("\n{}: {}\n", titles.back(), prediction::describe(geometry)) +
                 table(answers, rule);
   }
-  if (options.write_page) write_page(options, contact_case, resolver, *mesh);
+  if (options.write_page && contact_case.times.are_given()) {
+    report::TimePage page;
+    page.case_id = contact_case.id;
+    page.facts = prediction::describe(contact_case);
+    page.answers = first_lines;
+    page.series = std::move(series);
+    page.version = "softfinger " + system::program_version();
+    page.command = options.command_line;
+    system::write_file_atomically(options.page, report::time_page(page));
+    remark("the page is " + options.page);
+  } else if (options.write_page) {
+    write_page(options, contact_case, resolver, *mesh);
+  }
   // Last, so that a refusal stays a single line.
   for (const std::string& line : prediction::power_law_remarks(contact_case)) remark(line);
   if (options.json) {
     const ShearLaw& law = contact_case.shear_law;
     const bool two_layers = contact_case.object_layer.thickness_m > 0;
-    const nlohmann::json object = {
+    nlohmann::json object = {
         {"case", contact_case.id},
         {"layer", input::layer_json(contact_case.layer)},
         {"layer_on", contact_case.layer_on_object ? "object" : "finger"},
@@ -274,12 +386,15 @@ int run_predict(const PredictOptions& options) {
          law.has_shear_strength() ? nlohmann::json(law.shear_strength_Pa) : nlohmann::json()},
         {"geometry", geometries},
         {"results", results}};
+    if (contact_case.times.are_given()) {
+      object["relaxation"] = prediction::relaxation_json(contact_case.times);
+      object["history"] = prediction::history_json(contact_case.times);
+    }
     system::write_to_stdout(text::printed(object));
   } else {
     std::string text = first_lines + (advice.empty() ? "" : "  " + advice + "\n");
     for (std::size_t load = 0; load < blocks.size(); ++load)
-      text += (blocks.size() > 1 ? fmt::format("\n{:g} N\n", contact_case.loads_N[load]) : "") +
-              blocks[load];
+      text += (blocks.size() > 1 ? "\n" + titles[load] + "\n" : "") + blocks[load];
     if (options.explain) {
       text += "\n" + evidence;
       if (options.models == "all" && options.gap == "quadric")
@@ -322,10 +437,15 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
       "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
   add_case(*command, options->typed_case, false, input::FlatPads::taken);
   options->typed_case.presses_with_friction = true;
+  options->typed_case.times = input::Times::taken;
   command->add_option("--model,--models", options->models,
                       "model names, separated by commas; \"all\" (default): those that take "
                       "microseconds; \"everything\": also the slow ones; see: list models");
   add_demand(*command, options->demand);
+  command->add_option("--at-time", options->at_time,
+                      "seconds: the answer at this time, for a case with [layer] relaxation or "
+                      "[contact] history; default: the end of the history, else at once and held "
+                      "for long");
   command->add_flag("--explain", options->explain,
                     "also all numbers of all models, which of their assumptions fail, what each "
                     "cause costs in per cent, and what a mesh leaves open");
@@ -354,7 +474,8 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
   const CLI::Option* page = command->add_option(
       "--page", options->page,
       "HTML file to write, for a case with a mesh: the surface in 3-D with the region and the "
-      "quadric of each load, as softfinger mesh");
+      "quadric of each load, as softfinger mesh; for a case with relaxation or history: contact, "
+      "indentation and torque against time");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "Case files may also contain, besides geometry, layer, contact and fem:\n"
@@ -371,6 +492,14 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
       "/\n"
       "    largest force, which is mu P under Coulomb's law. The models' pressure is taken as\n"
       "    p ~ (1 - x²/a² - y²/b²)^n with n from their torque\n"
+      "  [layer] relaxation = [{ share = 0.12, time_s = 0.5 }, ..]: parts of youngs_modulus_kPa "
+      "that\n"
+      "    are lost with time, or { exponent = 0.03, time_s = 0.01, until_s = 1e4 }, a power law\n"
+      "  [contact] history = [{ time_s = 0, load_N = 0 }, { time_s = 0.2, load_N = 5 }, ..] in "
+      "place of\n"
+      "    load_N, linear between, a repeated time is a step; or approach_mm in place of its "
+      "load_N;\n"
+      "    see docs/a_gripper_that_creeps.md\n"
       "A flat pad: [geometry] finger = { pad_mm = [l, w] or pad_diameter_mm or pad_outline_mm,\n"
       "    corner_radius_mm, edge_radius_mm }, object = { flat = true } or { face_mm, "
       "face_diameter_mm or\n"

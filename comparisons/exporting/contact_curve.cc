@@ -9,6 +9,7 @@
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/next_step.h"
 #include "comparisons/judgement/reason.h"
+#include "comparisons/prediction/answer_in_time.h"
 #include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
 
@@ -25,9 +26,14 @@ double middle_of(std::vector<double> loads_N) {
 bool is_load(double load_N) { return std::isfinite(load_N) && load_N > 0; }
 
 LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
-              const PressureModel& model, double load_N, const prediction::Demand& demand,
-              const judgement::DoubtedCases* doubted = nullptr) {
-  prediction::ModelAnswer answer = prediction::ask_model(model, contact_case, geometry, load_N);
+              const PressureModel& model, double load_N, double time_s,
+              const prediction::Demand& demand, const judgement::DoubtedCases* doubted = nullptr) {
+  std::optional<prediction::AnswerInTime> in_time;
+  if (contact_case.times.are_given())
+    in_time = ask_in_time(model, contact_case, geometry,
+                          prediction::moment_under(contact_case, load_N, time_s));
+  prediction::ModelAnswer answer =
+      in_time ? in_time->elastic : prediction::ask_model(model, contact_case, geometry, load_N);
   const Prediction& prediction = answer.prediction;
   if (!prediction.has_answer || !(prediction.torque_arm_exact_m > 0))
     throw InputError(contact_case.id, "--model", std::string(model.card().name),
@@ -35,6 +41,12 @@ LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& 
                                  judgement::reason_not_usable(answer, demand)));
   answer.assessment =
       judgement::assess(contact_case, geometry, answer, prediction::TorqueRule::exact, demand);
+  const auto inputs = doubted ? doubted->move(answer, prediction::TorqueRule::exact) : std::nullopt;
+  if (in_time) {
+    in_time->elastic = answer;
+    adopt_errors(*in_time);
+    answer = in_time->now;
+  }
   const FrictionEllipsoid limit = answer.friction_ellipsoid(prediction::TorqueRule::exact);
   // Under Coulomb's law the coefficient is the case's own, to the last digit.
   const double friction = contact_case.shear_law.has_shear_strength()
@@ -48,7 +60,8 @@ LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& 
           prediction.b_m,
           answer.assessment->usable ? "" : judgement::reason_not_usable(answer, demand),
           *answer.assessment,
-          doubted ? doubted->move(answer, prediction::TorqueRule::exact) : std::nullopt};
+          inputs,
+          in_time ? in_time->effective_load_N : load_N};
 }
 
 }  // namespace
@@ -89,8 +102,13 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
                                const prediction::GeometryResolver& resolver,
                                const PressureModel* chosen, const LoadRange& loads,
                                const prediction::Demand& demand) {
+  const bool knows_time = contact_case.times.are_given();
+  const auto moment_at = [&](double load_N) {
+    return prediction::moment_under(contact_case, load_N, loads.time_s);
+  };
   const prediction::LocalGeometry nominal =
-      judgement::resolve_or_advise(contact_case, resolver, loads.nominal_N, demand);
+      knows_time ? geometry_at(contact_case, resolver, moment_at(loads.nominal_N))
+                 : judgement::resolve_or_advise(contact_case, resolver, loads.nominal_N, demand);
   const PressureModel& model =
       chosen ? *chosen
              : default_model(prediction::contact_problem(contact_case, nominal, loads.nominal_N));
@@ -99,12 +117,19 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   curve.model = std::string(model.card().name);
   curve.shear_law = contact_case.shear_law;
   curve.radii = nominal.radii;
+  if (knows_time) curve.when = " " + prediction::in_words(moment_at(loads.nominal_N));
   const auto at = [&](double load_N) {
-    return ask(contact_case, resolver.resolve(load_N), model, load_N, demand);
+    return ask(contact_case,
+               knows_time ? geometry_at(contact_case, resolver, moment_at(load_N))
+                          : resolver.resolve(load_N),
+               model, load_N, loads.time_s, demand);
   };
   const judgement::DoubtedCases doubted(contact_case, resolver);
-  curve.nominal = ask(contact_case, nominal, model, loads.nominal_N, demand, &doubted);
-  if (!curve.nominal.assessment.usable) {
+  curve.nominal =
+      ask(contact_case, nominal, model, loads.nominal_N, loads.time_s, demand, &doubted);
+  if (!curve.nominal.assessment.usable && knows_time) {
+    curve.advice = curve.nominal.reason;
+  } else if (!curve.nominal.assessment.usable) {
     prediction::ModelAnswer answer =
         prediction::ask_model(model, contact_case, nominal, loads.nominal_N);
     answer.assessment = curve.nominal.assessment;
@@ -130,8 +155,19 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
   const LoadPoint above = at(loads.nominal_N * kLoadStep), below = at(loads.nominal_N / kLoadStep);
   const double span = 2 * std::log(kLoadStep);
   curve.load_exponent = std::log(above.eccentricity_m / below.eccentricity_m) / span;
-  curve.normal_stiffness_N_per_m = normal_stiffness_N_per_m(
-      curve.nominal.load_N, curve.nominal.indentation_m, below.indentation_m, above.indentation_m);
+  if (knows_time) {
+    // A simulator's contact moves faster than rubber relaxes: the elastic contact of this size.
+    const double size_N = curve.nominal.effective_load_N;
+    const auto elastic_m = [&](double load_N) {
+      return prediction::ask_model(model, contact_case, nominal, load_N).prediction.indentation_m;
+    };
+    curve.normal_stiffness_N_per_m = normal_stiffness_N_per_m(
+        size_N, elastic_m(size_N), elastic_m(size_N / kLoadStep), elastic_m(size_N * kLoadStep));
+  } else {
+    curve.normal_stiffness_N_per_m =
+        normal_stiffness_N_per_m(curve.nominal.load_N, curve.nominal.indentation_m,
+                                 below.indentation_m, above.indentation_m);
+  }
   curve.friction_exponent =
       std::log(above.friction_coefficient / below.friction_coefficient) / span;
   return curve;

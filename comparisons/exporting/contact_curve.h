@@ -23,6 +23,8 @@ struct LoadChoice {
 /// The load that the constants are made for, and the range over which their error is stated.
 struct LoadRange {
   double nominal_N = 0, lowest_N = 0, highest_N = 0;
+  /// The time that the constants are made for, for a case with relaxation or history.
+  double time_s = 0;
 };
 
 /// Chooses what the user has left open:
@@ -45,6 +47,7 @@ struct LoadPoint {
   std::string reason;       ///< why the answer is not usable; empty: it is
   prediction::Assessment assessment;
   std::optional<judgement::InputDoubt> inputs;  ///< what the case's own doubts move, if asked for
+  double effective_load_N = 0;  ///< the elastic contact under it is as large; the load without time
 
   double max_force_N() const { return friction_coefficient * load_N; }
   double max_torque_Nm() const { return max_force_N() * eccentricity_m; }
@@ -56,6 +59,7 @@ struct LoadPoint {
 /// The torsional friction limit of a contact against the load, by one model.
 struct ContactCurve {
   std::string case_id, model;
+  std::string when;  ///< " held 3 s"; empty for a case without time
   ShearLaw shear_law;
   RelativeRadii radii;  ///< at the nominal load; radii that are fitted to meshes depend on the load
   LoadPoint nominal;

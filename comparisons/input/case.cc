@@ -10,6 +10,7 @@
 #include "comparisons/input/case_table.h"
 #include "comparisons/input/doubted_numbers.h"
 #include "comparisons/input/pad_reader.h"
+#include "comparisons/input/time_reader.h"
 #include "comparisons/input/toml_reader.h"
 #include "comparisons/input/unusual_values.h"
 #include "comparisons/system/program_paths.h"
@@ -223,6 +224,10 @@ void read_sublayers(const TomlReader& reader, const std::vector<const toml::tabl
                     Case& result) {
   double compliance = 0, poisson = 0;
   for (const toml::table* table : tables) {
+    if (const toml::node* relaxation = table->get("relaxation"))
+      reader.say(*relaxation,
+                 "relaxation is for one [layer]: sublayers that relax differently have no common "
+                 "modulus");
     reader.check_keys(
         *table, "[[layer]]",
         with_material_keys({"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio"}));
@@ -252,8 +257,9 @@ void read_layers(const TomlReader& reader, const toml::table& root, Case& result
     const toml::table& table = reader.required_table(root, "layer");
     reader.check_keys(table, "[layer]",
                       with_material_keys({"thickness_mm", "youngs_modulus_kPa", "poisson_ratio",
-                                          "winkler_modulus"}));
+                                          "winkler_modulus", "relaxation"}));
     result.layer = reader.elastic_layer(table, "[layer]");
+    read_relaxation(reader, table, result);
     read_winkler_modulus(reader, table, result);
   }
   if (!on_object) return;
@@ -313,8 +319,15 @@ void read_power_law(const TomlReader& reader, const toml::node& node, Case& resu
 
 void read_contact(const TomlReader& reader, const toml::table& table, Case& result) {
   reader.check_keys(table, "[contact]",
-                    {"load_N", "friction_coefficient", "shear_law", "shear_strength_kPa",
+                    {"load_N", "history", "friction_coefficient", "shear_law", "shear_strength_kPa",
                      "pressing", "load_at_mm"});
+  if (const toml::node* history = table.get("history")) {
+    if (const toml::node* load = table.get("load_N"))
+      reader.say(*load, "[contact] load_N and history say the same: one of them");
+    read_history(reader, *history, result);
+    result.shear_law = reader.shear_law(table, "[contact]");
+    return;
+  }
   const toml::node& load = reader.required(table, "[contact]", "load_N");
   if (load.is_array()) {
     const std::string allowed = "a number > 0 or a list of them";
@@ -343,6 +356,8 @@ void read_pressing(const TomlReader& reader, const toml::table& table, Case& res
       kPressingFrictionNames.begin());
   if (result.pressing != PressingFriction::none && result.shear_law.kind != ShearLaw::Kind::coulomb)
     reader.refuse(*pressing, "pressing", "\"frictionless\" with another shear law than Coulomb's");
+  if (result.pressing != PressingFriction::none && result.times.are_given())
+    reader.refuse(*pressing, "pressing", "\"frictionless\" with relaxation or history");
 }
 
 /// Friction while it is pressed is known in linear elasticity only.
@@ -441,6 +456,8 @@ void require_plain_pad(const TomlReader& reader, const toml::table& root) {
     reader.say(node,
                fmt::format("a flat pad takes no {} yet: one [layer] under a rigid face", what));
   };
+  for (const auto& [table, key] : {std::pair("layer", "relaxation"), {"contact", "history"}})
+    if (const toml::node* node = root[table][key].node()) refuse(*node, key);
   for (const char* key : {"object_layer", "power_law"})
     if (const toml::node* node = root.get(key))
       refuse(*node, (std::string("[") + key + "]").c_str());
@@ -505,6 +522,12 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
     Doubts doubts = settle_doubts(reader, root);
     Case result = case_of(root, text, file);
     result.doubts = std::move(doubts);
+    for (const Doubt& doubt : result.doubts)
+      if (result.times.are_given() && (doubt.key.rfind("contact.load_N", 0) == 0 ||
+                                       doubt.key.rfind("contact.history", 0) == 0 ||
+                                       doubt.key.rfind("layer.relaxation", 0) == 0))
+        throw InputError(result.times.where, doubt.key, "a number with its doubt",
+                         "a plain number beside relaxation or history");
     return result;
   }
   const toml::table& root = typed;
@@ -525,6 +548,7 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
   if (const toml::node* law = root.get("power_law")) read_power_law(reader, *law, result);
   const toml::table& contact = reader.required_table(root, "contact");
   read_contact(reader, contact, result);
+  check_times(reader, root, result);
   if (is_flat_geometry(geometry)) {
     result.geometry = read_pad_pair(reader, geometry, contact);
     require_plain_pad(reader, root);
@@ -549,17 +573,18 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
 }
 
 Case parse_case(const std::string& text, const fs::path& file, const Settings& settings,
-                FlatPads pads) {
+                FlatPads pads, Times times) {
   const toml::table root = parse_toml(text, file.string(), settings);
   Case read = case_of(root, text_of(root, text, settings), file);
   if (pads == FlatPads::refused) refuse_pad(read, "this command");
+  if (times == Times::refused) refuse_times(read, "this command");
   read.settings = settings;
   return read;
 }
 
 Case with_value(const Case& contact_case, const Doubt& doubt, double value) {
   const Settings setting = {{doubt.key, fmt::format("{}", value), doubt.key}};
-  return parse_case(contact_case.text, contact_case.file, setting, FlatPads::taken);
+  return parse_case(contact_case.text, contact_case.file, setting, FlatPads::taken, Times::taken);
 }
 
 std::optional<Eigen::Vector3d> axis_direction(const std::string& typed) {
@@ -578,8 +603,8 @@ void require_coulomb(const Case& contact_case, const std::string& command) {
         "\"coulomb\" for " + command + "; predict, fem, export and simulate take the other laws");
 }
 
-Case read_case(const fs::path& file, const Settings& settings, FlatPads pads) {
-  return parse_case(read_typed_text(file), name_of_typed(file), settings, pads);
+Case read_case(const fs::path& file, const Settings& settings, FlatPads pads, Times times) {
+  return parse_case(read_typed_text(file), name_of_typed(file), settings, pads, times);
 }
 
 }  // namespace softfinger::input

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "comparisons/input/contact_times.h"
 #include "comparisons/input/doubt.h"
 #include "comparisons/input/pad.h"
 #include "comparisons/input/setting.h"
@@ -104,6 +105,7 @@ struct Case {
   ModelOptions options;
   std::optional<PowerLawFit> power_law_fit;  ///< when [power_law] has data instead of parameters
   std::vector<double> loads_N;               ///< all different
+  ContactTimes times;                        ///< how the layer relaxes and is pressed over time
   Doubts doubts;                             ///< numbers that were given with their doubt
   ShearLaw shear_law;                        ///< what friction carries at a point
   PressingFriction pressing = PressingFriction::none;  ///< friction while it is pressed
@@ -143,6 +145,12 @@ enum class FlatPads { refused, taken };
 /// @throws InputError that names the command, where the case's contact is pressed with friction
 void refuse_pressing(const Case& contact_case, const std::string& command);
 
+/// Whether a reader of cases knows time: `[layer] relaxation` and `[contact] history`.
+enum class Times { refused, taken };
+
+/// @throws InputError that names the command, where the case has relaxation or history
+void refuse_times(const Case& contact_case, const std::string& command);
+
 /// @throws InputError that names the command, where the case's contact is a flat pad
 void refuse_pad(const Case& contact_case, const std::string& command);
 
@@ -157,11 +165,12 @@ void refuse_curved_pad(const Case& contact_case, const std::string& command);
 /// `settings` `where` is what typed it.
 /// @param file  "-": standard input
 Case read_case(const std::filesystem::path& file, const Settings& settings = {},
-               FlatPads pads = FlatPads::refused);
+               FlatPads pads = FlatPads::refused, Times times = Times::refused);
 
 /// Reads a case from a text in memory; `file` is used in messages and to find meshes.
 Case parse_case(const std::string& text, const std::filesystem::path& file,
-                const Settings& settings = {}, FlatPads pads = FlatPads::refused);
+                const Settings& settings = {}, FlatPads pads = FlatPads::refused,
+                Times times = Times::refused);
 
 /// Copy of a case with another value of a doubted number, in the file's unit.
 /// @throws InputError where the case does not allow that value

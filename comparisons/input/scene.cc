@@ -238,6 +238,10 @@ void SceneReader::read_simulation() {
 
 void SceneReader::read_layers() {
   for (const toml::table* table : tables("layer", kMostLayers)) {
+    if (const toml::node* relaxation = table->get("relaxation"))
+      reader_.say(*relaxation,
+                  "softfinger simulate does not know relaxation yet: softfinger predict and export "
+                  "do, for a case");
     reader_.check_keys(*table, "[[layer]]",
                        {"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio"});
     const toml::node& name = reader_.required(*table, "[[layer]]", "name");

@@ -53,10 +53,16 @@ std::string describe(const input::Case& contact_case) {
     return fmt::format("{:.6g} mm, E {:.6g} kPa, nu {:.6g}", layer.thickness_m * 1e3,
                        layer.youngs_modulus_Pa * 1e-3, layer.poisson_ratio);
   };
+  const Relaxation& relaxation = contact_case.times.relaxation;
+  const std::string relaxed = relaxation.is_elastic()
+                                  ? ""
+                                  : fmt::format(" (at once; {:.4g} kPa when held for long)",
+                                                contact_case.layer.youngs_modulus_Pa * 1e-3 *
+                                                    relaxation.long_time_modulus());
   std::string text =
       fmt::format("{}: {} {}", contact_case.id,
                   contact_case.layer_on_object ? "rigid finger, object's layer" : "layer",
-                  layer_text(contact_case.layer));
+                  layer_text(contact_case.layer) + relaxed);
   for (std::size_t i = 0; i < contact_case.sublayers.size(); ++i) {
     const input::Sublayer& sublayer = contact_case.sublayers[i];
     text += (i == 0 ? " on average of " : " over ") +

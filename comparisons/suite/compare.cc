@@ -271,7 +271,9 @@ Cases read_cases(const std::vector<fs::path>& files, const CompareOptions& optio
   Cases cases;
   std::map<std::string, std::string> file_of_id;
   for (const fs::path& file : files) {
-    input::Case typed = input::read_case(file, options.settings, input::FlatPads::taken);
+    input::Case typed =
+        input::read_case(file, options.settings, input::FlatPads::taken, input::Times::taken);
+    input::refuse_times(typed, "softfinger compare");
     input::require_coulomb(typed, "compare");
     // A line has a model to be judged; what else is curved has the elements alone.
     if (const auto* pad = std::get_if<input::PadPair>(&typed.geometry);

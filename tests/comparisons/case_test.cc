@@ -92,6 +92,79 @@ TEST(Case, RefusesToPressWithFrictionAtFiniteStrain) {
   EXPECT_THROW(input::parse_case(text, "example.toml"), InputError);
 }
 
+TEST(Case, ReadsRelaxationAndHistory) {
+  const auto read = [](const std::string& text) {
+    return input::parse_case(text, "example.toml", {}, input::FlatPads::refused,
+                             input::Times::taken);
+  };
+  EXPECT_FALSE(read(kGoodCase).times.are_given());
+  const std::string nu = "poisson_ratio = 0.49";
+  const std::string terms =
+      "\nrelaxation = [{ share = 0.12, time_s = 0.5 }, { share = 0.06, time_s = 5 }]";
+  const input::Case creeps = read(replaced(nu, nu + terms));
+  ASSERT_EQ(creeps.times.relaxation.terms().size(), 2u);
+  EXPECT_EQ(creeps.times.relaxation.terms()[1].share, 0.12);
+  EXPECT_EQ(creeps.times.where, "example.toml:9");
+  EXPECT_TRUE(creeps.times.history.empty());
+  const input::Case law =
+      read(replaced(nu, nu + "\nrelaxation = { exponent = 0.05, time_s = 0.01, until_s = 1e4 }"));
+  EXPECT_NEAR(law.times.relaxation.modulus(100), std::pow(1e4, -0.05), 1e-3);
+
+  const std::string load = "load_N = [1.0, 2]";
+  const input::Case loaded = read(replaced(load,
+                                           "history = [{ time_s = 0, load_N = 0 }, { time_s = 2, "
+                                           "load_N = 3 }, { time_s = 5, load_N = 1 }]"));
+  ASSERT_EQ(loaded.times.history.size(), 3u);
+  EXPECT_EQ(loaded.times.history[1].value, 3);
+  EXPECT_EQ(loaded.loads_N, std::vector<double>{1});
+  const input::Case pressed = read(replaced(load, "history = [{ time_s = 0, approach_mm = 0.4 }]"));
+  EXPECT_EQ(pressed.times.drive, ContactHistory::Drive::approach);
+  EXPECT_NEAR(pressed.times.history[0].value, 4e-4, 1e-18);
+  EXPECT_TRUE(pressed.loads_N.empty());
+  // Read again by a command that does not know time.
+  EXPECT_THROW(input::parse_case(replaced(nu, nu + terms), "example.toml"), InputError);
+}
+
+TEST(Case, RefusesRelaxationAndHistoriesThatMakeNoSense) {
+  const auto said = [](const std::string& old_text, const std::string& new_text) -> std::string {
+    try {
+      input::parse_case(replaced(old_text, new_text), "example.toml", {}, input::FlatPads::taken,
+                        input::Times::taken);
+      return "nothing";
+    } catch (const InputError& error) {
+      return error.what();
+    }
+  };
+  const auto holds = [](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  const std::string nu = "poisson_ratio = 0.49", relaxation = nu + "\nrelaxation = ";
+  holds(said(nu, relaxation + "0.1"), "example.toml:9: relaxation = 0.1");
+  holds(said(nu, relaxation + "[]"), "example.toml:9: relaxation");
+  holds(said(nu, relaxation + "[{ share = 1.2, time_s = 1 }]"), "relaxation.share = 1.2");
+  holds(said(nu, relaxation + "[{ share = 0.1 }]"), "relaxation has no time_s");
+  holds(said(nu, relaxation + "[{ shares = 0.1, time_s = 1 }]"), "did you mean \"share\"");
+  holds(said(nu, relaxation + "[{ share = 0.6, time_s = 1 }, { share = 0.5, time_s = 2 }]"),
+        "sum of shares = 1.1");
+  holds(said(nu, relaxation + "{ exponent = 0.7, time_s = 1, until_s = 9 }"), "exponent = 0.7");
+  holds(said("friction_coefficient = 0.8", "friction_coefficient = 0.8\nhistory = []"),
+        "one of them");
+  const std::string load = "load_N = [1.0, 2]";
+  holds(said(load, "history = []"), "example.toml:10: history");
+  holds(said(load, "history = [{ time_s = 0, load_N = -1 }]"), "history.load_N = -1");
+  holds(said(load, "history = [{ time_s = 0 }]"), "one of load_N, approach_mm");
+  holds(said(load, "history = [{ time_s = 0, load_N = 1 }, { time_s = 1, approach_mm = 1 }]"),
+        "in all entries");
+  holds(said(load, "history = [{ time_s = 1, load_N = 1 }, { time_s = 0, load_N = 1 }]"),
+        "not before the last one");
+  holds(said(load, "history = [{ time_s = 0, load = 1 }]"), "did you mean");
+  holds(said("[layer]\n",
+             "[object_layer]\nthickness_mm = 1\nyoungs_modulus_kPa = 9\n"
+             "poisson_ratio = 0.3\n[layer]\nrelaxation = [{ share = 0.1, time_s = 1 }]\n"),
+        "two layers");
+  holds(said("[layer]\n", "[[layer]]\nrelaxation = [{ share = 0.1, time_s = 1 }]\n"), "sublayers");
+}
+
 TEST(Case, TakesItsFilesNameAsIdWithoutOne) {
   const std::string text = replaced("id = \"example\"\n", "");
   EXPECT_EQ(input::parse_case(text, "folder/my finger.toml").id, "my_finger");
