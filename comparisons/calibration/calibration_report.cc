@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparisons/input/measured_silicones.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/calibration/statistics.h"
@@ -233,6 +234,21 @@ std::string branches_sentence(const CaseCalibration& calibration) {
                    1e3 * loop.shift_m[1], 1e3 * loop.shift_m[2]);
 }
 
+/// Silicones with such a modulus in tension; empty where E was not found or none is like that.
+std::string silicone_sentence(const CaseCalibration& calibration) {
+  const ParameterEstimate* const modulus = calibration.estimate(Parameter::youngs_modulus);
+  if (!modulus || !modulus->is_determined()) return {};
+  constexpr std::size_t kMostNamed = 3;
+  std::vector<std::string> named;
+  for (const input::MeasuredSilicone* silicone : input::silicones_like(modulus->value))
+    if (named.size() < kMostNamed)
+      named.push_back(fmt::format("{} ({:g} to {:g} kPa)", silicone->name, silicone->low_kPa(),
+                                  silicone->high_kPa()));
+  if (named.empty()) return {};
+  return "Silicones with such a modulus in tension: " + text::joined(named) +
+         "; a hardness overestimates it.";
+}
+
 /// Warns where a fitted mount explains most of the travel; else empty.
 std::string mount_sentence(const CaseCalibration& calibration) {
   const ParameterEstimate* const compliance = calibration.estimate(Parameter::compliance);
@@ -453,6 +469,7 @@ std::vector<std::string> sentences(const CaseCalibration& calibration) {
   result.push_back(geometry_sentence(calibration));
   result.push_back(compression_sentence(calibration));
   result.push_back(growth_sentence(calibration.growth));
+  result.push_back(silicone_sentence(calibration));
   result.erase(std::remove(result.begin(), result.end(), std::string()), result.end());
   return result;
 }
