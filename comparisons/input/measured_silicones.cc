@@ -18,10 +18,6 @@ std::string lower_case(std::string_view text) {
 
 }  // namespace
 
-const char* const kMeasuredSiliconesSource =
-    "tension tests of the Soft Robotics Materials Database (LucMarechal, ASTM D412), softfinger "
-    "experiments silicones_tension";
-
 double MeasuredSilicone::low_kPa() const {
   return std::min({secant_10_kPa, to_30_kPa, to_100_kPa});
 }

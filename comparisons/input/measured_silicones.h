@@ -18,9 +18,9 @@ struct MeasuredSilicone {
   double high_kPa() const;
 };
 
-/// Source of the table, in words.
-extern const char* const kMeasuredSiliconesSource;
-
+/// From the tension tests (ASTM D412) of the Soft Robotics Materials Database, repository
+/// LucMarechal/Soft-Robotics-Materials-Database: Marechal et al., Soft Robotics (2020), doi
+/// 10.1089/soro.2019.0115. Crosshead strain: lower bounds.
 const std::vector<MeasuredSilicone>& measured_silicones();
 
 /// The material of this name; case does not count, and "Dragon Skin 10" finds "Dragon Skin 10
