@@ -241,7 +241,7 @@ void add_init(CLI::App& app, Action& action) {
       "Samples:\n"
       "  softfinger init -\n"
       "  softfinger init my_pad.toml --pad --force\n"
-      "  softfinger init - --material \"Dragon Skin 10\"\n"
+      "  softfinger init - --material RTV615\n"
       "  softfinger init pad.toml --mesh shadow_like_pad.stl --along +z --force");
   command->callback([options, along, &action] {
     options->along_given = along->count() > 0;

@@ -210,7 +210,7 @@ TEST(ExponentDoubt, ExistsForASpringAndNotForASolid) {
   const ExponentDoubt spring = exponent_doubt(problem, nullptr);
   ASSERT_TRUE(spring.exists);
   EXPECT_NEAR(spring.measured.value, 1, 0.01);
-  // What begins to bear on something stiff: the force grows as the fourth power.
+  // A finger that begins to bear on something stiff: the force grows as the fourth power.
   for (Measurement& value : problem.measurements.values)
     value.value =
         0.3e-3 +

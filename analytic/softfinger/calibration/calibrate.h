@@ -32,9 +32,11 @@ struct ParameterEstimate {
   bool is_low_open = false, is_high_open = false;
 
   /// The interval spans less than a factor of two, and ends for a better reason than that the
-  /// search did. Of nu the border is nature's. A nuisance is determined where the search ended.
+  /// search did. Of nu, and of a compliance at zero, the border is nature's. A nuisance is
+  /// determined where the search ended.
   bool is_determined() const {
-    if (range_of(parameter).is_nuisance) return !is_low_open && !is_high_open;
+    const ParameterRange& range = range_of(parameter);
+    if (range.is_nuisance) return !is_high_open && (!is_low_open || range.lowest == 0);
     return high <= 2 * low && !(range_of(parameter).logarithmic && (is_low_open || is_high_open));
   }
 };

@@ -18,7 +18,7 @@ bool is_travel(const CalibrationProblem& problem, MeasuredQuantity quantity) {
   return quantity == MeasuredQuantity::indentation && contains(problem.free, Parameter::zero);
 }
 
-/// What counts of one quantity, as a curve over the load.
+/// One quantity over the load, without outliers.
 PressCurve curve_of(const CalibrationProblem& problem, const Calibration& calibration,
                     MeasuredQuantity quantity) {
   PressCurve curve;
@@ -131,7 +131,7 @@ std::vector<Forecast> forecast(const CalibrationProblem& problem, const Calibrat
 ExponentDoubt exponent_doubt(const CalibrationProblem& problem, const Calibration* calibration) {
   const bool is_zero_known = !is_travel(problem, MeasuredQuantity::indentation);
   const bool is_compliance_free = contains(problem.free, Parameter::compliance);
-  // What is left when a fitted mount has taken its part is known afterwards only.
+  // A fitted mount's part is known after the calibration only.
   if (is_compliance_free && !calibration) return {};
   const ParameterValues& values = calibration ? calibration->values : problem.start;
   const double compliance_m_per_N = values[index_of(Parameter::compliance)];
