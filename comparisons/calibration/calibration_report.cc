@@ -298,7 +298,7 @@ std::string forecast_table(const std::vector<ForecastValue>& values) {
         forecast.is_known ? in_words(value.quantity, forecast.value) : "not known",
         forecast.is_known ? number(forecast.low()) + " to " + number(forecast.high()) : "",
         value.measured ? number(*value.measured) : "",
-        value.measured && !(forecast.is_known && value.is_inside()) ? "   outside" : "");
+        value.measured && forecast.is_known && !value.is_inside() ? "   outside" : "");
   }
   return out;
 }
@@ -372,7 +372,7 @@ json forecast_json(const std::vector<ForecastValue>& values) {
     if (!value.measured) continue;
     rows.back()["measured"] = *value.measured;
     rows.back()["line"] = value.line;
-    rows.back()["inside"] = forecast.is_known && value.is_inside();
+    rows.back()["inside"] = forecast.is_known ? json(value.is_inside()) : json();
   }
   return rows;
 }

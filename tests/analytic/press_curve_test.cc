@@ -72,7 +72,7 @@ TEST(PressCurve, HasTheExponentThatItWasMadeWith) {
     EXPECT_NEAR(1 / found.value, 1 / exponent, 0.002);
     EXPECT_LE(found.low, found.value);
     EXPECT_GE(found.high, found.value);
-    EXPECT_NEAR(found.travel_m(3), 0.2e-3 + 1e-3 * std::pow(3, 1 / exponent), 2e-6);
+    EXPECT_NEAR(found.best.travel_m(3), 0.2e-3 + 1e-3 * std::pow(3, 1 / exponent), 2e-6);
   }
   EXPECT_FALSE(curve_exponent({{1, 2, 3, 4}, {1, 2, 3, 4}}, false).is_known);
   EXPECT_FALSE(curve_exponent({{1, 2, 3, 4, 5}, {1, 1, 1, 1, 1}}, false).is_known);
@@ -198,6 +198,18 @@ TEST(Forecast, HoldsTheUpperHalfWhereTheModelIsRightAndWhereItIsNot) {
     const Forecast& last = forecasts.back();
     EXPECT_LT(last.chance + last.misfit, (stiffening == 0 ? 0.06 : 0.4) * last.value) << stiffening;
   }
+}
+
+TEST(Forecast, IsNotKnownWhereTooFewValuesTellTheMisfit) {
+  Readings few;
+  few.count = 4;
+  few.std_m = 0.01e-3;
+  Readings above;
+  above.least_N = 7;
+  above.largest_N = 9;
+  const CalibrationProblem problem = few.problem();
+  for (const Forecast& one : forecast(problem, calibrate(problem), above.problem().measurements))
+    EXPECT_FALSE(one.is_known);
 }
 
 TEST(ExponentDoubt, ExistsForASpringAndNotForASolid) {

@@ -119,7 +119,10 @@ std::vector<Forecast> forecast(const CalibrationProblem& problem, const Calibrat
       one.is_known = std::isfinite(one.chance);
       if (const double ratio = force_N / largest_N; ratio > 1) {
         const CurveExponent& trend = trends[std::size_t(quantity)];
-        if (trend.is_known) one.misfit = std::abs(trend.travel_m(force_N) - one.value);
+        one.is_known = one.is_known && trend.is_known;
+        if (trend.is_known)
+          for (const CurveExponent::Law& law : {trend.best, trend.at_low, trend.at_high})
+            one.misfit = std::max(one.misfit, std::abs(law.travel_m(force_N) - one.value));
         one.misfit += inner[std::size_t(quantity)] * std::log2(ratio) * one.value;
       }
     }

@@ -16,12 +16,14 @@ struct Forecast {
   /// parameters' uncertainty and the scatter of one more measurement.
   double chance = 0;
   /// Half of the band for what the model has wrong, from the calibrated values alone: (1) by how
-  /// much a power law through them (for a travel with a zero of its own) departs from the model,
-  /// and (2) the relative error that the model itself makes on the upper half of the calibrated
-  /// loads when it is fitted to their lower half, in proportion to the logarithm of the load over
-  /// the largest calibrated one; one such error for a factor of two. Within the calibrated loads
-  /// the scatter says it, and this is zero.
+  /// much power laws through them, over the exponent's whole interval (for a travel with a zero of
+  /// its own), depart from the model, and (2) the relative error that the model itself makes on the
+  /// upper half of the calibrated loads when it is fitted to their lower half, in proportion to the
+  /// logarithm of the load over the largest calibrated one; one such error for a factor of two.
+  /// Within the calibrated loads the scatter says it, and this is zero.
   double misfit = 0;
+  /// False where the model has no answer, and beyond the calibrated loads where fewer than five
+  /// values, or too narrow a range of loads, tell no misfit.
   bool is_known = false;
 
   double low() const { return value - chance - misfit; }

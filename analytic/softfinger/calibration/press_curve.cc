@@ -57,8 +57,8 @@ double work_J(const PressCurve& curve) {
 
 }  // namespace
 
-double CurveExponent::travel_m(double force_N) const noexcept {
-  return zero_m + coefficient_m_per_N * std::pow(force_N, 1 / value);
+double CurveExponent::Law::travel_m(double force_N) const noexcept {
+  return zero_m + coefficient * std::pow(force_N, 1 / exponent);
 }
 
 CurveExponent curve_exponent(const PressCurve& curve, bool is_zero_known) {
@@ -87,13 +87,17 @@ CurveExponent curve_exponent(const PressCurve& curve, bool is_zero_known) {
   };
   while (low_power > kLeastPower && fits(low_power - kStep)) low_power -= kStep;
   while (high_power < kMostPower && fits(high_power + kStep)) high_power += kStep;
-  const TravelLine line = travel_line(curve, best, is_zero_known);
+  const auto law = [&](double power) {
+    const TravelLine line = travel_line(curve, power, is_zero_known);
+    return CurveExponent::Law{1 / power, line.zero_m, line.coefficient};
+  };
   result.is_known = true;
-  result.value = 1 / best;
-  result.low = 1 / high_power;
-  result.high = 1 / low_power;
-  result.zero_m = line.zero_m;
-  result.coefficient_m_per_N = line.coefficient;
+  result.best = law(best);
+  result.at_low = law(high_power);
+  result.at_high = law(low_power);
+  result.value = result.best.exponent;
+  result.low = result.at_low.exponent;
+  result.high = result.at_high.exponent;
   return result;
 }
 

@@ -16,10 +16,14 @@ struct PressCurve {
 /// has n = 3/2 (Hertz), columns have 2, a thin incompressible layer has 3; a shell or a spring
 /// has 1.
 struct CurveExponent {
+  /// The best fit with one n.
+  struct Law {
+    double exponent = 0, zero_m = 0, coefficient = 0;  ///< the last in m/N^(1/n)
+    double travel_m(double force_N) const noexcept;
+  };
   bool is_known = false;
-  double value = 0, low = 0, high = 0;         ///< n and its 95 % interval (profile likelihood)
-  double zero_m = 0, coefficient_m_per_N = 0;  ///< the latter in m/N^(1/n)
-  double travel_m(double force_N) const noexcept;
+  double value = 0, low = 0, high = 0;  ///< n and its 95 % interval (profile likelihood)
+  Law best, at_low, at_high;            ///< with the n of these
 };
 
 /// @param is_zero_known  the travel is counted from the first touch
