@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "comparisons/input/measured_silicones.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/calibration/statistics.h"
@@ -27,6 +28,7 @@ Unit unit_of(Parameter parameter) {
   const std::string_view unit = range_of(parameter).unit;
   if (unit == "m") return {"mm", 1e3};
   if (unit == "Pa") return {"kPa", 1e-3};
+  if (unit == "m/N") return {"mm/N", 1e3};
   return {"", 1};
 }
 Unit unit_of(MeasuredQuantity quantity) {
@@ -81,6 +83,10 @@ std::string words(Parameter parameter) {
       return "the friction coefficient mu";
     case Parameter::shear_strength:
       return "the shear strength tau_0";
+    case Parameter::zero:
+      return "the zero of the approach";
+    case Parameter::compliance:
+      return "the compliance of machine and mount";
     default:
       return name_of(parameter);
   }
@@ -157,6 +163,7 @@ std::string outlier_sentence(const CaseCalibration& calibration, std::size_t val
 
 /// Whether a standard deviation says anything: of nu half its range does not.
 bool is_informative(Parameter parameter, double std, double value) {
+  if (range_of(parameter).is_nuisance) return std::isfinite(std);
   return range_of(parameter).logarithmic ? std < 2 * value : std < 0.25;
 }
 
@@ -211,6 +218,91 @@ std::string growth_sentence(const GrowthExponent& growth) {
   return fmt::format("The contact's width grows as P^({:.3f} ± {:.3f}).", growth.value, growth.std);
 }
 
+/// Which branch was fitted, and what the other says; empty where there is one only.
+std::string branches_sentence(const CaseCalibration& calibration) {
+  if (!calibration.branches) return {};
+  const MeasuredBranches& branches = *calibration.branches;
+  std::string out = fmt::format("The {} values of loading are used, the {} of unloading are not.",
+                                branches.loading, branches.unloading);
+  if (!branches.loop.is_known) return out;
+  const Loop& loop = branches.loop;
+  return out + fmt::format(
+                   " Backlash {:.2g} mm, hysteresis {:.2g} % of the work; at equal force the "
+                   "unloading lies {:+.2g}, {:+.2g}, {:+.2g} mm off the loading (10, 50, 90 % of "
+                   "the largest load).",
+                   1e3 * loop.backlash_m, 100 * loop.hysteresis_share, 1e3 * loop.shift_m[0],
+                   1e3 * loop.shift_m[1], 1e3 * loop.shift_m[2]);
+}
+
+/// Silicones with such a modulus in tension; empty where E was not found or none is like that.
+std::string silicone_sentence(const CaseCalibration& calibration) {
+  const ParameterEstimate* const modulus = calibration.estimate(Parameter::youngs_modulus);
+  if (!modulus || !modulus->is_determined()) return {};
+  constexpr std::size_t kMostNamed = 3;
+  std::vector<std::string> named;
+  for (const input::MeasuredSilicone* silicone : input::silicones_like(modulus->value))
+    if (named.size() < kMostNamed)
+      named.push_back(fmt::format("{} ({:g} to {:g} kPa)", silicone->name, silicone->low_kPa(),
+                                  silicone->high_kPa()));
+  if (named.empty()) return {};
+  return "Silicones with such a modulus in tension: " + text::joined(named) +
+         "; a hardness overestimates it.";
+}
+
+/// Warns where a fitted mount explains most of the travel; else empty.
+std::string mount_sentence(const CaseCalibration& calibration) {
+  const ParameterEstimate* const compliance = calibration.estimate(Parameter::compliance);
+  if (!compliance) return {};
+  const double given_m = compliance->value * calibration.table.loads_N.back();
+  double largest_m = 0;
+  for (const Measurement& value : calibration.table.values)
+    if (value.quantity == MeasuredQuantity::indentation)
+      largest_m = std::max(largest_m, value.value);
+  const double share = given_m / (largest_m - calibration.found.values[index_of(Parameter::zero)]);
+  if (!(share > 0.5)) return {};
+  return fmt::format(
+      "Machine and mount would take {:.0f} % of the travel at the largest load: is the finger "
+      "hollow? Press something rigid to know what they give, and --fix mount_N_per_mm.",
+      100 * share);
+}
+
+std::size_t inside_count(const std::vector<ForecastValue>& values) {
+  return std::size_t(std::count_if(values.begin(), values.end(), [](const ForecastValue& value) {
+    return value.forecast.is_known && value.is_inside();
+  }));
+}
+
+/// "Kept from the fit: 12 values above 3 N; 12 of them lie in the band, worst ...".
+std::string held_out_sentence(const CaseCalibration& calibration) {
+  const std::vector<ForecastValue>& held = calibration.held_out;
+  if (held.empty()) return {};
+  double worst = 0;
+  for (const ForecastValue& value : held)
+    worst = std::max(worst, std::abs(value.forecast.value / *value.measured - 1));
+  return fmt::format(
+      "Kept from the fit: {} values above {:.4g} N; {} of them lie in the band that was predicted "
+      "(chance and the model's misfit, 95 %), the worst is {} off.",
+      held.size(), calibration.held_out_above_N, inside_count(held), percent(worst));
+}
+
+std::string forecast_table(const std::vector<ForecastValue>& values) {
+  if (values.empty()) return {};
+  std::string out = fmt::format("\n  {:<22}{:>8}{:>14}{:>22}{:>12}\n", "predicted", "N", "value",
+                                "band", "measured");
+  for (const ForecastValue& value : values) {
+    const Forecast& forecast = value.forecast;
+    const Unit unit = unit_of(value.quantity);
+    const auto number = [&](double si) { return fmt::format("{:.4g}", si * unit.per_SI); };
+    out += fmt::format(
+        "  {:<22}{:>8.4g}{:>14}{:>22}{:>12}{}\n", name_of(value.quantity), value.load_N,
+        forecast.is_known ? in_words(value.quantity, forecast.value) : "not known",
+        forecast.is_known ? number(forecast.low()) + " to " + number(forecast.high()) : "",
+        value.measured ? number(*value.measured) : "",
+        value.measured && forecast.is_known && !value.is_inside() ? "   outside" : "");
+  }
+  return out;
+}
+
 /// "It grows", "No"; sentences of the library begin with small letters and have no full stop.
 std::string as_sentence(std::string text) {
   // "E", "nu" and "mu" are symbols.
@@ -253,6 +345,38 @@ json comparison_json(const Comparison& comparison, const char* key, const std::s
           {"parameters", parameters}};
 }
 
+json branches_json(const CaseCalibration& calibration) {
+  if (!calibration.branches) return nullptr;
+  const MeasuredBranches& branches = *calibration.branches;
+  const Loop& loop = branches.loop;
+  return {{"loading", branches.loading},
+          {"unloading", branches.unloading},
+          {"backlash_m", loop.is_known ? json(loop.backlash_m) : json()},
+          {"hysteresis_share", loop.is_known ? json(loop.hysteresis_share) : json()},
+          {"shift_m", loop.is_known ? json(loop.shift_m) : json()}};
+}
+
+json forecast_json(const std::vector<ForecastValue>& values) {
+  json rows = json::array();
+  for (const ForecastValue& value : values) {
+    const Forecast& forecast = value.forecast;
+    const auto known = [&](double number) {
+      return forecast.is_known ? text::finite_or_null(number) : json();
+    };
+    rows.push_back({{"load_N", value.load_N},
+                    {"quantity", name_of(value.quantity)},
+                    {"predicted", known(forecast.value)},
+                    {"band95", {known(forecast.low()), known(forecast.high())}},
+                    {"chance", known(forecast.chance)},
+                    {"misfit", known(forecast.misfit)}});
+    if (!value.measured) continue;
+    rows.back()["measured"] = *value.measured;
+    rows.back()["line"] = value.line;
+    rows.back()["inside"] = forecast.is_known ? json(value.is_inside()) : json();
+  }
+  return rows;
+}
+
 json next_json(const NextMeasurement& next) {
   if (!next.exists) return nullptr;
   return {{"sentence", next_sentence(next)},
@@ -270,8 +394,10 @@ std::vector<Parameter> known_parameters(const CaseCalibration& calibration) {
   std::vector<Parameter> known;
   for (const Parameter parameter :
        {Parameter::youngs_modulus, Parameter::thickness, Parameter::poisson_ratio,
-        Parameter::radius, Parameter::friction_coefficient, Parameter::shear_strength})
+        Parameter::radius, Parameter::friction_coefficient, Parameter::shear_strength,
+        Parameter::zero, Parameter::compliance})
     if (!calibration.estimate(parameter) &&
+        (!range_of(parameter).is_nuisance || calibration.found.values[index_of(parameter)] != 0) &&
         (parameter != Parameter::friction_coefficient || law.has_friction_coefficient()) &&
         (parameter != Parameter::shear_strength || law.has_shear_strength()))
       known.push_back(parameter);
@@ -333,12 +459,17 @@ std::string model_table(const std::vector<Comparison>& comparisons, bool laws) {
 
 /// Meaning of the calibration, one sentence for each aspect.
 std::vector<std::string> sentences(const CaseCalibration& calibration) {
-  std::vector<std::string> result = {goodness_sentence(calibration)};
+  std::vector<std::string> result = {branches_sentence(calibration), goodness_sentence(calibration),
+                                     mount_sentence(calibration), held_out_sentence(calibration)};
+  if (calibration.exponent_doubt.exists)
+    result.push_back(
+        "Not the curve of a solid finger: " + exponent_sentence(calibration.exponent_doubt) + ".");
   for (const std::size_t outlier : calibration.found.outliers)
     result.push_back(outlier_sentence(calibration, outlier));
   result.push_back(geometry_sentence(calibration));
   result.push_back(compression_sentence(calibration));
   result.push_back(growth_sentence(calibration.growth));
+  result.push_back(silicone_sentence(calibration));
   result.erase(std::remove(result.begin(), result.end(), std::string()), result.end());
   return result;
 }
@@ -371,6 +502,7 @@ std::string describe(const CaseCalibration& calibration) {
   for (const std::string& sentence : calibration.cannot_tell)
     out += "  " + as_sentence(sentence) + "\n";
   out += next_sentence(calibration.next) + "\n";
+  out += forecast_table(calibration.held_out) + forecast_table(calibration.forecasts);
   out += "\nModels on the same data, best first (AIC above the best; 2 is little, 10 is much):\n" +
          model_table(calibration.models, false);
   if (!calibration.shear_laws.empty()) out += "\n" + model_table(calibration.shear_laws, true);
@@ -423,6 +555,12 @@ nlohmann::json to_json(const CaseCalibration& calibration) {
       {"fixed", fixed},
       {"covariance", covariance_json(calibration)},
       {"unit_doubt", calibration.unit_doubt.empty() ? json() : json(calibration.unit_doubt)},
+      {"branches", branches_json(calibration)},
+      {"held_out", forecast_json(calibration.held_out)},
+      {"forecasts", forecast_json(calibration.forecasts)},
+      {"exponent_doubt", calibration.exponent_doubt.exists
+                             ? json(exponent_sentence(calibration.exponent_doubt))
+                             : json()},
       {"cannot_tell", cannot_tell},
       {"next_measurement", next_json(calibration.next)},
       {"models", models},

@@ -27,10 +27,18 @@ bool is_of_friction(Parameter parameter) {
 }
 
 std::vector<Parameter> default_parameters(const Request& request, const input::Case& contact_case,
+                                          const input::MeasurementTable& table,
                                           bool measures_friction) {
   std::vector<Parameter> free = {Parameter::youngs_modulus};
-  if (request.model->card().layer_constants == LayerConstants::all)
+  // A travel from an unknown zero tells a modulus, and seldom a thickness besides.
+  const bool is_curve_alone =
+      table.has_unknown_zero &&
+      std::all_of(table.values.begin(), table.values.end(), [](const Measurement& value) {
+        return value.quantity == MeasuredQuantity::indentation;
+      });
+  if (request.model->card().layer_constants == LayerConstants::all && !is_curve_alone)
     free.push_back(Parameter::thickness);
+  if (table.has_unknown_zero) free.push_back(Parameter::zero);
   if (measures_friction) {
     if (contact_case.shear_law.has_friction_coefficient())
       free.push_back(Parameter::friction_coefficient);
@@ -44,8 +52,11 @@ std::vector<Parameter> free_parameters(const Request& request, const input::Case
   const bool measures_friction =
       std::any_of(table.values.begin(), table.values.end(),
                   [](const Measurement& value) { return is_frictional(value.quantity); });
+  const bool measures_travel = std::any_of(
+      table.values.begin(), table.values.end(),
+      [](const Measurement& value) { return value.quantity == MeasuredQuantity::indentation; });
   std::vector<Parameter> free = request.fit;
-  if (free.empty()) free = default_parameters(request, contact_case, measures_friction);
+  if (free.empty()) free = default_parameters(request, contact_case, table, measures_friction);
   const auto refuse = [](const char* option, Parameter parameter, const std::string& allowed) {
     throw InputError("command line", option, std::string(range_of(parameter).name), allowed);
   };
@@ -62,6 +73,8 @@ std::vector<Parameter> free_parameters(const Request& request, const input::Case
     require_in_case("--fit", parameter);
     if (is_of_friction(parameter) && !measures_friction)
       refuse("--fit", parameter, "max_torque or tangential_force among the measurements");
+    if (range_of(parameter).is_nuisance && !measures_travel)
+      refuse("--fit", parameter, "indentation_mm or position_mm among the measurements");
   }
   for (const auto& fixed : request.fixed) {
     const Parameter parameter = fixed.first;
@@ -85,7 +98,8 @@ std::vector<Parameter> free_parameters(const Request& request, const input::Case
 ParameterValues starting_values(const input::Case& contact_case, const RelativeRadii& radii,
                                 const Request& request) {
   // A guess where the case has none; the search leaves it at once.
-  constexpr double kStrength_Pa = 2e4, kCoefficient_m = 2e-3, kExponent = 0.3;
+  constexpr double kStrength_Pa = 2e4, kCoefficient_m = 2e-3, kExponent = 0.3,
+                   kCompliance_m_per_N = 5e-5;
   ParameterValues start{};
   const auto set = [&](Parameter parameter, double value) { start[index_of(parameter)] = value; };
   const ShearLaw& law = contact_case.shear_law;
@@ -101,6 +115,7 @@ ParameterValues starting_values(const input::Case& contact_case, const RelativeR
   const bool has_power_law = power_law.radius_coefficient > 0;
   set(Parameter::radius_coefficient, has_power_law ? power_law.radius_coefficient : kCoefficient_m);
   set(Parameter::radius_exponent, has_power_law ? power_law.radius_exponent : kExponent);
+  if (contains(request.fit, Parameter::compliance)) set(Parameter::compliance, kCompliance_m_per_N);
   for (const auto& [parameter, value] : request.fixed) set(parameter, value);
   return start;
 }
@@ -141,7 +156,86 @@ ContactProblem contact_at(const CaseCalibration& calibration,
   return problem;
 }
 
+/// Values of the loading branch; notes what the other one says.
+input::MeasurementTable loading_branch(const input::MeasurementTable& table,
+                                       std::optional<MeasuredBranches>& branches) {
+  std::vector<double> travel_m;
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < table.values.size(); ++i) {
+    if (table.values[i].quantity != MeasuredQuantity::indentation) continue;
+    travel_m.push_back(table.values[i].value);
+    rows.push_back(i);
+  }
+  const std::size_t turn = first_unloading_row(travel_m);
+  if (turn == travel_m.size()) return table;
+  PressCurve loading, unloading;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    PressCurve& branch = i < turn ? loading : unloading;
+    branch.travel_m.push_back(travel_m[i]);
+    branch.force_N.push_back(table.loads_N[table.values[rows[i]].contact]);
+  }
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < table.values.size(); ++i)
+    if (table.lines[i] < table.lines[rows[turn]]) kept.push_back(i);
+  branches = MeasuredBranches{kept.size(), table.values.size() - kept.size(),
+                              loop_between(loading, unloading)};
+  return table.only(kept);
+}
+
+/// Takes the values above the part of the largest load out of the table.
+input::MeasurementTable take_held_out(input::MeasurementTable& table, double above_N) {
+  std::vector<std::size_t> kept, held;
+  for (std::size_t i = 0; i < table.values.size(); ++i)
+    (table.loads_N[table.values[i].contact] > above_N ? held : kept).push_back(i);
+  input::MeasurementTable taken = table.only(held);
+  if (kept.empty())
+    throw InputError(table.file, "number of values below the held-out loads", "0",
+                     "some to calibrate from");
+  table = table.only(kept);
+  return taken;
+}
+
+/// Forecasts of the values that were kept back, and at the loads that were asked for.
+void add_forecasts(CaseCalibration& calibration, const prediction::GeometryResolver& resolver,
+                   const input::MeasurementTable& held, const std::vector<double>& loads_N) {
+  const CalibrationProblem& problem = calibration.problem;
+  // The first contact is the one whose radius the parameter is.
+  Measurements asked{{problem.measurements.contacts[0]}, {}};
+  std::vector<ForecastValue> values;
+  const auto add = [&](const ForecastValue& value) {
+    asked.values.push_back({value.quantity, asked.contacts.size(), 1, 0});
+    asked.contacts.push_back(contact_at(calibration, resolver, value.load_N));
+    values.push_back(value);
+  };
+  for (std::size_t i = 0; i < held.values.size(); ++i)
+    add({held.values[i].quantity,
+         held.loads_N[held.values[i].contact],
+         held.values[i].value,
+         held.lines[i],
+         {}});
+  std::set<MeasuredQuantity> quantities;
+  for (const Measurement& value : problem.measurements.values) quantities.insert(value.quantity);
+  for (const double load_N : loads_N)
+    for (const MeasuredQuantity quantity : quantities) add({quantity, load_N, std::nullopt, 0, {}});
+  if (values.empty()) return;
+  const std::vector<Forecast> found = forecast(problem, calibration.found, asked);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i].forecast = found[i];
+    (values[i].measured ? calibration.held_out : calibration.forecasts).push_back(values[i]);
+  }
+}
+
 }  // namespace
+
+std::string exponent_sentence(const ExponentDoubt& doubt) {
+  const bool is_low = doubt.measured.value < doubt.least;
+  return fmt::format(
+      "above {:.3g} N the force grows as the approach to the power {:.2f} (95 %: {:.2f} to "
+      "{:.2f}), "
+      "that of a solid finger to the power {:.2g} or {}",
+      doubt.from_load_N, doubt.measured.value, doubt.measured.low, doubt.measured.high,
+      is_low ? doubt.least : doubt.most, is_low ? "more" : "less");
+}
 
 const ParameterEstimate* CaseCalibration::estimate(Parameter parameter) const {
   for (const ParameterEstimate& estimate : found.parameters)
@@ -150,7 +244,7 @@ const ParameterEstimate* CaseCalibration::estimate(Parameter parameter) const {
 }
 
 CaseCalibration calibrate_case(const input::Case& contact_case,
-                               const input::MeasurementTable& table, const Request& request) {
+                               const input::MeasurementTable& whole, const Request& request) {
   if (!contact_case.sublayers.empty())
     throw InputError(contact_case.file.string(), "[[layer]]",
                      fmt::format("{} layers", contact_case.sublayers.size()),
@@ -161,7 +255,10 @@ CaseCalibration calibrate_case(const input::Case& contact_case,
                      "one compliant body for calibrate: the models have no derivatives for two");
   CaseCalibration result;
   result.fitted = contact_case;
-  result.table = table;
+  result.table = loading_branch(whole, result.branches);
+  result.held_out_above_N = request.fitted_part * result.table.loads_N.back();
+  const input::MeasurementTable held = take_held_out(result.table, result.held_out_above_N);
+  const input::MeasurementTable& table = result.table;
   result.fixed = request.fixed;
   CalibrationProblem& problem = result.problem;
   problem.model = request.model;
@@ -173,6 +270,21 @@ CaseCalibration calibrate_case(const input::Case& contact_case,
   result.remarks = resolver.remarks();
   problem.start = starting_values(contact_case, resolver.resolve(table.loads_N[0]).radii, request);
   put_into(result.fitted, problem.start);
+  const auto doubted = [&](const Calibration* calibration) {
+    const ExponentDoubt doubt = exponent_doubt(problem, calibration);
+    if (doubt.exists && !request.takes_any_exponent)
+      throw InputError(
+          table.file, exponent_sentence(doubt), "",
+          doubt.measured.value < doubt.least
+              ? "the curve of a solid finger, not a hollow one's; if the mount gives, --fix "
+                "mount_N_per_mm=.. or --fit compliance; --force calibrates all the same"
+              : "the curve of a solid finger, not of one that bears on something stiffer; --force "
+                "calibrates all the same");
+    return doubt;
+  };
+  for (const double load_N : table.loads_N)
+    problem.measurements.contacts.push_back(contact_at(result, resolver, load_N));
+  result.exponent_doubt = doubted(nullptr);
   const bool depends_on_size = has_mesh(contact_case);
   constexpr int kMostRounds = 12;
   constexpr double kStill = 0.01;  // of an interval, or of a value
@@ -200,7 +312,9 @@ CaseCalibration calibrate_case(const input::Case& contact_case,
                      "data that some model explains; are the case's geometry and the units right?" +
                          (better.empty() ? "" : " Read " + better));
   }
+  if (!result.exponent_doubt.exists) result.exponent_doubt = doubted(&result.found);
   put_into(result.fitted, result.found.values);
+  add_forecasts(result, resolver, held, request.forecast_loads_N);
   result.models = compare_models(problem, result.found);
   result.shear_laws = compare_shear_laws(problem, result.found);
   result.growth = growth_exponent(problem, result.found);

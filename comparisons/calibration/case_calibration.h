@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "comparisons/input/measurements.h"
 #include "comparisons/prediction/local_geometry.h"
 #include "softfinger/calibration/advice.h"
+#include "softfinger/calibration/forecast.h"
 
 /// Work of `softfinger calibrate`: a case's layer and friction from measurements.
 namespace softfinger::calibration {
@@ -16,11 +18,37 @@ struct Request {
   const PressureModel* model = nullptr;
   std::vector<Parameter> fit;                       ///< empty: the default of the model and data
   std::vector<std::pair<Parameter, double>> fixed;  ///< SI; in place of the case's own values
+  /// Part of the largest load above which values are kept from the fit; 1: none are.
+  double fitted_part = 1;
+  std::vector<double> forecast_loads_N;  ///< at which every measured quantity is predicted
+  /// The curve's exponent may be one that no solid finger of this geometry has.
+  bool takes_any_exponent = false;
+};
+
+/// A value that was kept from the fit, or, without a line of the table, none that was measured.
+struct ForecastValue {
+  MeasuredQuantity quantity = MeasuredQuantity::indentation;
+  double load_N = 0;
+  std::optional<double> measured;
+  int line = 0;
+  Forecast forecast;
+
+  bool is_inside() const { return forecast.low() <= *measured && *measured <= forecast.high(); }
+};
+
+/// The table's rows in the order of time, where the approach rises and falls again.
+struct MeasuredBranches {
+  std::size_t loading = 0, unloading = 0;  ///< numbers of values; the latter are not fitted
+  Loop loop;
 };
 
 struct CaseCalibration {
-  input::Case fitted;  ///< the case with what was found; its geometry is unchanged
-  input::MeasurementTable table;
+  input::Case fitted;             ///< the case with what was found; its geometry is unchanged
+  input::MeasurementTable table;  ///< what was fitted
+  std::optional<MeasuredBranches> branches;
+  std::vector<ForecastValue> held_out, forecasts;
+  double held_out_above_N = 0;
+  ExponentDoubt exponent_doubt;
   std::vector<std::pair<Parameter, double>> fixed;  ///< as requested
   CalibrationProblem problem;
   Calibration found;
@@ -39,10 +67,15 @@ struct CaseCalibration {
   const ParameterEstimate* estimate(Parameter parameter) const;
 };
 
-/// @throws InputError for data and requests that do not go together, and for data that contradict
-/// every model, with the points and by how many standard deviations
+/// Fits the loading branch where the table has two, and of it what lies below the held-out loads.
+/// @throws InputError for data and requests that do not go together, for data that contradict
+/// every model, with the points and by how many standard deviations, and for a curve whose exponent
+/// no solid finger has
 CaseCalibration calibrate_case(const input::Case& contact_case,
                                const input::MeasurementTable& table, const Request& request);
+
+/// "the force grows as the approach to the power 1.14 (95 %: 1.1 to 1.2) above 0.6 N, where ..."
+std::string exponent_sentence(const ExponentDoubt& doubt);
 
 /// A measured quantity over the load as the fit has it, with the band in which chance leaves the
 /// fit itself in 95 % of all cases (not a further measurement, which scatters in addition). From

@@ -105,8 +105,13 @@ void make_absolute(Edits& edits, const toml::table& geometry, const input::Case&
 
 std::string header_line(const ParameterEstimate& estimate) {
   const ParameterRange& range = range_of(estimate.parameter);
-  const double factor = range.unit == "m" ? 1e3 : range.unit == "Pa" ? 1e-3 : 1;
-  const char* const unit = range.unit == "m" ? " mm" : range.unit == "Pa" ? " kPa" : "";
+  const double factor = range.unit == "m" || range.unit == "m/N" ? 1e3
+                        : range.unit == "Pa"                     ? 1e-3
+                                                                 : 1;
+  const char* const unit = range.unit == "m"     ? " mm"
+                           : range.unit == "m/N" ? " mm/N"
+                           : range.unit == "Pa"  ? " kPa"
+                                                 : "";
   return fmt::format("#   {}: {:.4g}{} (95 %: {:.4g} to {:.4g}{})\n", range.name,
                      estimate.value * factor, unit, estimate.low * factor, estimate.high * factor,
                      estimate.is_determined() ? "" : ", not determined");

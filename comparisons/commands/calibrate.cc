@@ -23,15 +23,21 @@ namespace {
 struct CalibrateOptions {
   std::string data, case_file, fit, model = "fingertip_layer", output, page, command_line;
   std::vector<std::string> fixed;
-  bool json = false;
+  bool json = false, force = false;
+  double hold_out_above = 1;
+  std::vector<double> at_loads_N;
   std::vector<std::string> settings;
 };
 
 /// Parameters that `--fit` may name. A power law has parameters of its own.
-constexpr std::array<Parameter, 6> kFitted{
-    Parameter::youngs_modulus,       Parameter::thickness,
-    Parameter::poisson_ratio,        Parameter::radius,
-    Parameter::friction_coefficient, Parameter::shear_strength};
+constexpr std::array<Parameter, 8> kFitted{Parameter::youngs_modulus,
+                                           Parameter::thickness,
+                                           Parameter::poisson_ratio,
+                                           Parameter::radius,
+                                           Parameter::friction_coefficient,
+                                           Parameter::shear_strength,
+                                           Parameter::zero,
+                                           Parameter::compliance};
 
 std::vector<std::string> split(const std::string& typed) {
   std::vector<std::string> parts;
@@ -51,7 +57,10 @@ std::vector<Parameter> fitted(const std::string& typed) {
     const Parameter* found = nullptr;
     for (const Parameter& parameter : kFitted) {
       names.emplace_back(range_of(parameter).name);
-      if (names.back() == name) found = &parameter;
+      // The key of --fix, with its unit, is understood as well.
+      if (names.back() == name || names.back() + "_mm" == name ||
+          names.back() + "_mm_per_N" == name)
+        found = &parameter;
     }
     if (!found)
       throw InputError("command line",
@@ -70,6 +79,7 @@ struct FixKey {
   std::string name;
   Parameter parameter;
   double si_per_unit;
+  bool is_inverse = false;  ///< a stiffness, whose inverse is the parameter
 };
 std::vector<FixKey> fix_keys() {
   std::vector<FixKey> keys;
@@ -77,13 +87,16 @@ std::vector<FixKey> fix_keys() {
     const std::string name(range_of(parameter).name);
     const std::string_view unit = range_of(parameter).unit;
     if (unit == "m") {
-      keys.push_back({name + "_mm", parameter, 1e-3});
-      keys.push_back({name + "_m", parameter, 1});
+      keys.push_back({name + "_mm", parameter, 1e-3, false});
+      keys.push_back({name + "_m", parameter, 1, false});
+    } else if (unit == "m/N") {
+      keys.push_back({name + "_mm_per_N", parameter, 1e-3, false});
+      keys.push_back({"mount_N_per_mm", parameter, 1e-3, true});
     } else if (unit == "Pa") {
-      keys.push_back({name + "_kPa", parameter, 1e3});
-      keys.push_back({name + "_Pa", parameter, 1});
+      keys.push_back({name + "_kPa", parameter, 1e3, false});
+      keys.push_back({name + "_Pa", parameter, 1, false});
     } else {
-      keys.push_back({name, parameter, 1});
+      keys.push_back({name, parameter, 1, false});
     }
   }
   return keys;
@@ -102,10 +115,15 @@ std::pair<Parameter, double> fixed_value(const std::string& typed) {
       with_unit.push_back(known.name);
     if (known.name != key) continue;
     const ParameterRange& range = range_of(known.parameter);
-    const std::string allowed = internal::number_text(range.lowest / known.si_per_unit, 3) +
-                                " to " +
-                                internal::number_text(range.highest / known.si_per_unit, 3);
-    const double value = number_of("--fix " + key, value_text, allowed) * known.si_per_unit;
+    const std::string allowed =
+        known.is_inverse
+            ? "a stiffness of " + internal::number_text(known.si_per_unit / range.highest, 3) +
+                  " N/mm or more"
+            : internal::number_text(range.lowest / known.si_per_unit, 3) + " to " +
+                  internal::number_text(range.highest / known.si_per_unit, 3);
+    const double typed_value = number_of("--fix " + key, value_text, allowed);
+    const double value =
+        known.is_inverse ? known.si_per_unit / typed_value : typed_value * known.si_per_unit;
     if (!(value >= range.lowest && value <= range.highest))
       throw InputError("command line", "--fix " + key, "\"" + text::shortened(value_text) + "\"",
                        allowed);
@@ -188,6 +206,18 @@ int run_calibrate(const CalibrateOptions& options) {
       if (request.fixed[i].first == request.fixed.back().first)
         throw InputError("command line", "--fix", typed, "each parameter once");
   }
+  const auto refuse_number = [](const char* option, double value, const char* allowed) {
+    throw InputError("command line", option, value, allowed);
+  };
+  if (!(options.hold_out_above > 0 && options.hold_out_above <= 1))
+    refuse_number("--hold-out-above", options.hold_out_above,
+                  "a part of the largest load, above 0 to 1");
+  for (const double load_N : options.at_loads_N)
+    if (!(load_N > 0 && load_N <= 1e6))
+      refuse_number("--at-load", load_N, "loads in N, above 0 to 1e6");
+  request.fitted_part = options.hold_out_above;
+  request.forecast_loads_N = options.at_loads_N;
+  request.takes_any_exponent = options.force;
   if (options.data == "-" && options.case_file == "-")
     throw InputError("command line", "DATA and CASE", "\"-\" for both",
                      "standard input for one of them");
@@ -259,11 +289,25 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
   command->add_option("--fix", options->fixed,
                       "key=value in place of the case's own, not fitted: poisson_ratio=0.49, "
                       "thickness_mm=3, youngs_modulus_kPa, radius_mm, friction_coefficient, "
-                      "shear_strength_kPa; may be repeated");
-  command->add_option("--fit", options->fit,
-                      "what to find, separated by commas: youngs_modulus, thickness, "
-                      "poisson_ratio, radius, friction_coefficient, shear_strength; default: the "
-                      "first two, and where friction was measured those of the case's shear law");
+                      "shear_strength_kPa, zero_mm, compliance_mm_per_N or mount_N_per_mm of the "
+                      "machine; may be repeated");
+  command->add_option(
+      "--fit", options->fit,
+      "what to find, separated by commas: youngs_modulus, thickness, "
+      "poisson_ratio, radius, friction_coefficient, shear_strength, zero (of the "
+      "approach, also zero_mm), compliance (of machine and mount, also "
+      "compliance_mm_per_N); default: the first two, and where friction was "
+      "measured those of the case's shear law; of position_mm alone E and the zero");
+  command->add_option("--hold-out-above", options->hold_out_above,
+                      "part of the largest load above which values are kept from the fit and then "
+                      "predicted, with the band of 95 %; default: 1, none are");
+  command
+      ->add_option("--at-load", options->at_loads_N,
+                   "N, or several separated by commas: also predict what was measured at these "
+                   "loads, with the band")
+      ->delimiter(',');
+  command->add_flag("--force", options->force,
+                    "calibrate also where the curve is not that of a solid finger");
   command->add_option("--model,--models", options->model,
                       "fingertip_layer (default), bonded_layer, winkler or hertz");
   command->add_option("-o,--output", options->output,
@@ -276,6 +320,10 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
       "(semi-axes), area_mm2 or area_m2, indentation_mm or indentation_m (approach of the "
       "bodies),\n"
       "max_torque_mNm or max_torque_Nm (about the normal, at slip), tangential_force_N (at slip).\n"
+      "In place of indentation_mm there may be position_mm, a machine's reading: its zero is then\n"
+      "fitted, and rows with a load or position of 0 or less are skipped. Where the approach rises "
+      "and falls\n"
+      "again, loading is fitted; backlash and hysteresis are named.\n"
       "Each may have its standard deviation in a column of the same name with _std. Cells may be\n"
       "empty. Values without an error get one from their scatter about the fit. Lines that begin\n"
       "with # are skipped. At most 1000 rows and 1 MiB.\n"
@@ -289,7 +337,8 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
       "  softfinger calibrate inked_fingertip.csv silicone_pad_2mm --output fitted.toml --page "
       "fit.html\n"
       "  softfinger calibrate inked_fingertip.csv silicone_pad_2mm --fix thickness_mm=2 --fit "
-      "youngs_modulus,poisson_ratio,friction_coefficient --json");
+      "youngs_modulus,poisson_ratio,friction_coefficient --json\n"
+      "  softfinger calibrate inked_fingertip.csv silicone_pad_2mm --hold-out-above 0.5");
   command->callback([options, &action] { action = [options] { return run_calibrate(*options); }; });
 }
 

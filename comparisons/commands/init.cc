@@ -8,6 +8,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/input/case.h"
+#include "comparisons/input/measured_silicones.h"
 #include "comparisons/input/mesh_unit.h"
 #include "comparisons/judgement/pads.h"
 #include "comparisons/prediction/local_geometry.h"
@@ -25,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct InitOptions {
-  std::string file = "my_finger.toml", mesh, along = "-y", near, unit, part;
+  std::string file = "my_finger.toml", mesh, along = "-y", near, unit, part, material;
   bool along_given = false, unit_given = false, force = false, json = false, pad = false;
 };
 
@@ -92,6 +93,21 @@ std::string geometry_text(const InitOptions& options) {
       named.entries(), options.along, kPlane);
 }
 
+/// The line of the modulus: of a measured silicone, or `otherwise`.
+std::string modulus_line(const InitOptions& options, const char* otherwise) {
+  if (options.material.empty()) return otherwise;
+  const input::MeasuredSilicone& silicone = input::find_measured_silicone(options.material);
+  // The scatter as a factor to either side, which predict carries through to its answers.
+  const double factor =
+      std::max(silicone.high_kPa() / silicone.to_30_kPa, silicone.to_30_kPa / silicone.low_kPa());
+  return fmt::format(
+      "# {}: {:g} kPa in tension to 30 % of strain, {:g} to {:g} kPa from 10 to 100 %. Crosshead\n"
+      "# strain: lower bounds. Batches differ: softfinger calibrate.\n"
+      "youngs_modulus_kPa = {{ value = {:.1f}, factor = {:.3g} }}\n",
+      silicone.name, silicone.to_30_kPa, silicone.low_kPa(), silicone.high_kPa(),
+      silicone.to_30_kPa, factor);
+}
+
 std::string pad_case_text(const InitOptions& options) {
   return fmt::format(
       "# A flat pad for softfinger. What a key means and may be: softfinger predict --help\n"
@@ -107,7 +123,7 @@ std::string pad_case_text(const InitOptions& options) {
       "face_diameter_mm, face_outline_mm\n"
       "\n[layer]                                  # the rubber on its rigid backing\n"
       "thickness_mm = 3.0\n"
-      "youngs_modulus_kPa = 800.0               # moves indentation and stiffness, not the torque\n"
+      "{}"
       "poisson_ratio = 0.49                     # 0 to 0.5; rubber and silicone 0.48 to 0.5, foam "
       "0 to 0.3\n"
       "\n[contact]\n"
@@ -117,7 +133,10 @@ std::string pad_case_text(const InitOptions& options) {
       "face\n"
       "# load_at_mm = [1.0, 0.0]                # where the load acts; default: faces stay "
       "parallel\n",
-      options.file == "-" ? "my_pad" : input::id_of(options.file));
+      options.file == "-" ? "my_pad" : input::id_of(options.file),
+      modulus_line(options,
+                   "youngs_modulus_kPa = 800.0               # moves indentation and stiffness, "
+                   "not the torque\n"));
 }
 
 std::string case_text(const InitOptions& options) {
@@ -131,7 +150,7 @@ std::string case_text(const InitOptions& options) {
       "\n[layer]                                  # the rubber; [[layer]] several times: from the "
       "surface inwards\n"
       "thickness_mm = 2.0\n"
-      "youngs_modulus_kPa = 300.0               # silicone: 50 to 3000\n"
+      "{}"
       "poisson_ratio = 0.49                     # 0 to 0.5; rubber and silicone 0.48 to 0.5, foam "
       "0 to 0.3\n"
       "# relaxation = [{{ share = 0.12, time_s = 0.5 }}]   # part of the modulus that is lost with "
@@ -149,7 +168,10 @@ std::string case_text(const InitOptions& options) {
       "\"curved\"\n"
       "# kinematics = \"linear\"                  # small strain; or \"finite\"\n"
       "# level = 2                              # 1 coarse to 3 fine\n",
-      options.file == "-" ? "my_finger" : input::id_of(options.file), geometry_text(options));
+      options.file == "-" ? "my_finger" : input::id_of(options.file), geometry_text(options),
+      modulus_line(options,
+                   "youngs_modulus_kPa = 300.0               # silicone: 50 to 3000; "
+                   "softfinger init --material\n"));
 }
 
 int run_init(const InitOptions& options) {
@@ -212,6 +234,9 @@ void add_init(CLI::App& app, Action& action) {
           "unit")
       ->excludes(along);
   add_mesh_options(*command, options->unit, options->part, "");
+  command->add_option("--material", options->material,
+                      "a silicone whose modulus was measured, as \"Dragon Skin 10\", with its "
+                      "scatter; default: 300 kPa, of a pad 800 kPa");
   command->add_flag("--pad", options->pad, "a flat pad instead of a curved finger");
   command->add_flag("--force", options->force, "replace a file that is there");
   command->add_flag("--json", options->json, "one JSON object on standard output: file and text");
@@ -219,6 +244,7 @@ void add_init(CLI::App& app, Action& action) {
       "Samples:\n"
       "  softfinger init -\n"
       "  softfinger init my_pad.toml --pad --force\n"
+      "  softfinger init - --material RTV615\n"
       "  softfinger init pad.toml --mesh shadow_like_pad.stl --along +z --force");
   command->callback([options, along, &action] {
     options->along_given = along->count() > 0;

@@ -64,6 +64,11 @@ Examined examine(const Experiment& experiment) {
   if (const auto* data = std::get_if<Repeated>(&experiment.data)) examine_repeated(*data, examined);
   if (const auto* data = std::get_if<Observation>(&experiment.data))
     examine_observation(*data, examined);
+  if (const auto* data = std::get_if<PressCurves>(&experiment.data))
+    examine_press_curves(*data, examined);
+  if (const auto* data = std::get_if<Tension>(&experiment.data)) examine_tension(*data, examined);
+  if (const auto* data = std::get_if<BondedDisc>(&experiment.data))
+    examine_bonded_disc(*data, examined);
   require_power(examined.findings);
   examined.verdict = combined(examined.findings);
   return examined;

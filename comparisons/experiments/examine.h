@@ -76,5 +76,8 @@ void examine_indentation(const Indentation& indentation, Examined& examined);
 void examine_hardness(const Hardness& hardness, Examined& examined);
 void examine_repeated(const Repeated& repeated, Examined& examined);
 void examine_observation(const Observation& observation, Examined& examined);
+void examine_press_curves(const PressCurves& curves, Examined& examined);
+void examine_tension(const Tension& tension, Examined& examined);
+void examine_bonded_disc(const BondedDisc& disc, Examined& examined);
 
 }  // namespace softfinger::experiments

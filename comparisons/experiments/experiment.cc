@@ -1,9 +1,11 @@
 #include "comparisons/experiments/experiment.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "comparisons/input/toml_reader.h"
 #include "comparisons/system/files.h"
+#include "comparisons/text/nearest_name.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::experiments {
@@ -202,13 +204,105 @@ Observation observation(const TomlReader& reader, const toml::table& table) {
   return found;
 }
 
+/// At least `least` numbers of a range.
+std::vector<double> number_list(const TomlReader& reader, const toml::table& table,
+                                const std::string& name, const char* key, std::size_t least,
+                                double lowest, double highest, const std::string& allowed) {
+  const toml::node& node = reader.required(table, name, key);
+  std::vector<double> values;
+  for (const toml::node& entry : reader.list(node, key, kMostEntries, allowed)) {
+    values.push_back(reader.number(entry, key, allowed));
+    if (values.back() < lowest || values.back() > highest) reader.refuse(entry, key, allowed);
+  }
+  if (values.size() < least) reader.refuse(node, key, allowed);
+  return values;
+}
+
+PressCurves press_curves(const TomlReader& reader, const toml::table& table) {
+  const std::string name = "[press_curves]";
+  reader.check_keys(table, name,
+                    {"step_mm", "sphere_radius_mm", "thickness_mm", "poisson_ratio", "curves"});
+  PressCurves found;
+  found.step_m = length_m(reader, table, name, "step_mm");
+  found.sphere_radius_m = length_m(reader, table, name, "sphere_radius_mm");
+  found.thickness_m = length_m(reader, table, name, "thickness_mm");
+  found.poisson_ratio = poisson_ratio(reader, table, name);
+  const std::string allowed = "[{ code, description, hollow, loading_N, unloading_N }, ...]";
+  const std::string forces = "three numbers or more from -1e4 to 1e4, one of them > 0, in N";
+  const toml::node& curves = reader.required(table, name, "curves");
+  for (const toml::node& node : reader.list(curves, "curves", kMostEntries, allowed)) {
+    const toml::table* row = node.as_table();
+    if (!row) reader.refuse(node, "curves", allowed);
+    reader.check_keys(*row, "curves",
+                      {"code", "description", "hollow", "loading_N", "unloading_N"});
+    PressCurves::Curve& curve = found.curves.emplace_back();
+    curve.code = reader.text(reader.required(*row, "curves", "code"), "code");
+    curve.description = reader.text(reader.required(*row, "curves", "description"), "description");
+    curve.hollow = reader.boolean(reader.required(*row, "curves", "hollow"), "hollow");
+    curve.loading_N = number_list(reader, *row, "curves", "loading_N", 3, -1e4, 1e4, forces);
+    curve.unloading_N = number_list(reader, *row, "curves", "unloading_N", 3, -1e4, 1e4, forces);
+    if (!(*std::max_element(curve.loading_N.begin(), curve.loading_N.end()) > 0))
+      reader.refuse(*row->get("loading_N"), "loading_N", forces);
+  }
+  if (found.curves.empty()) reader.refuse(curves, "curves", allowed);
+  return found;
+}
+
+Tension tension(const TomlReader& reader, const toml::table& table) {
+  const std::string name = "[tension]";
+  reader.check_keys(table, name, {"materials"});
+  const std::string allowed = "[{ material, shore_a }, ...]";
+  Tension found;
+  const toml::node& materials = reader.required(table, name, "materials");
+  for (const toml::node& node : reader.list(materials, "materials", kMostEntries, allowed)) {
+    const toml::table* row = node.as_table();
+    if (!row) reader.refuse(node, "materials", allowed);
+    reader.check_keys(*row, "materials", {"material", "shore_a"});
+    found.materials.push_back(
+        {reader.text(reader.required(*row, "materials", "material"), "material"),
+         number_in(reader, *row, "materials", "shore_a", 0, 99, "a number from 0 to 99")});
+  }
+  if (found.materials.empty()) reader.refuse(materials, "materials", allowed);
+  return found;
+}
+
+BondedDisc bonded_disc(const TomlReader& reader, const toml::table& table) {
+  const std::string name = "[bonded_disc]";
+  reader.check_keys(table, name,
+                    {"diameter_mm", "thickness_mm", "machine_N_per_mm", "knee_extension",
+                     "poisson_ratio", "extension", "stress_MPa"});
+  BondedDisc found;
+  found.diameter_m = length_m(reader, table, name, "diameter_mm");
+  found.thickness_m = length_m(reader, table, name, "thickness_mm");
+  found.machine_N_per_m = 1e3 * number_in(reader, table, name, "machine_N_per_mm", 1e-3, 1e9,
+                                          "a number from 0.001 to 1e9, in N/mm");
+  found.knee_extension =
+      number_in(reader, table, name, "knee_extension", 1e-6, 10, "a number from 1e-6 to 10");
+  found.poisson_ratios = number_list(reader, table, name, "poisson_ratio", 1, 0, 0.5,
+                                     "[nu, ...], numbers from 0 to 0.5");
+  const std::string rising = "rising numbers from 0 to 100, two of them below knee_extension";
+  found.extension = number_list(reader, table, name, "extension", 2, 0, 100, rising);
+  const auto& x = found.extension;
+  if (std::adjacent_find(x.begin(), x.end(), std::greater_equal<>()) != x.end() ||
+      x[1] >= found.knee_extension)
+    reader.refuse(*table.get("extension"), "extension", rising);
+  const std::string same = "as many rising numbers from 0 to 1e4 as extension has, in MPa";
+  found.stress_Pa = number_list(reader, table, name, "stress_MPa", x.size(), 0, 1e4, same);
+  if (found.stress_Pa.size() != x.size() ||
+      std::adjacent_find(found.stress_Pa.begin(), found.stress_Pa.end(), std::greater_equal<>()) !=
+          found.stress_Pa.end())
+    reader.refuse(*table.get("stress_MPa"), "stress_MPa", same);
+  for (double& stress : found.stress_Pa) stress *= 1e6;
+  return found;
+}
+
 }  // namespace
 
 Experiment parse_experiment(const std::string& text, const std::filesystem::path& file) {
   const toml::table root = input::parse_toml(text, file.string());
   const TomlReader reader(file.string());
-  const std::vector<std::string> kinds = {"growth", "indentation", "hardness", "repeated",
-                                          "observation"};
+  const std::vector<std::string> kinds = {"growth",      "indentation",  "hardness", "repeated",
+                                          "observation", "press_curves", "tension",  "bonded_disc"};
   std::vector<std::string> known = {"id", "what", "source", "certainty", "unknown"};
   known.insert(known.end(), kinds.begin(), kinds.end());
   reader.check_keys(root, "the file", known);
@@ -228,14 +322,16 @@ Experiment parse_experiment(const std::string& text, const std::filesystem::path
     if (root.contains(kind)) present.push_back(kind);
   if (present.size() != 1)
     throw InputError(file.string(), "tables with data", std::to_string(present.size()),
-                     "exactly one of [growth], [indentation], [hardness], [repeated], "
-                     "[observation]");
+                     "exactly one of [" + text::joined(kinds, "], [") + "]");
   const toml::table& table = reader.required_table(root, present[0]);
   if (present[0] == "growth") found.data = growth(reader, table);
   if (present[0] == "indentation") found.data = indentation(reader, table);
   if (present[0] == "hardness") found.data = hardness(reader, table);
   if (present[0] == "repeated") found.data = repeated(reader, table);
   if (present[0] == "observation") found.data = observation(reader, table);
+  if (present[0] == "press_curves") found.data = press_curves(reader, table);
+  if (present[0] == "tension") found.data = tension(reader, table);
+  if (present[0] == "bonded_disc") found.data = bonded_disc(reader, table);
   return found;
 }
 

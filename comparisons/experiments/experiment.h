@@ -72,11 +72,42 @@ struct Observation {
   double value = 0, uncertainty = 0;
 };
 
+/// Force over travel of fingertips of one shape on a plane, in equal steps from a place before the
+/// touch and back.
+struct PressCurves {
+  struct Curve {
+    std::string code, description;
+    bool hollow = false;                         ///< is called so, or holds air
+    std::vector<double> loading_N, unloading_N;  ///< the latter from the largest travel on
+  };
+  double step_m = 0, sphere_radius_m = 0, thickness_m = 0, poisson_ratio = 0;
+  std::vector<Curve> curves;
+};
+
+/// Materials of input/measured_silicones.h, which has their moduli, with their makers' hardness.
+struct Tension {
+  struct Material {
+    std::string name;
+    double shore_a = 0;
+  };
+  std::vector<Material> materials;
+};
+
+/// A disc bonded to two plates and drawn apart.
+struct BondedDisc {
+  double diameter_m = 0, thickness_m = 0, machine_N_per_m = 0;
+  double knee_extension = 0;  ///< below it the stress is in proportion to the extension
+  std::vector<double> poisson_ratios;
+  std::vector<double> extension, stress_Pa;  ///< of one length; extension over thickness
+};
+
 struct Experiment {
   std::string id, what, source, certainty;
   std::vector<std::string> unknown;  ///< what would be needed, and is not known
   std::filesystem::path file;
-  std::variant<Growth, Indentation, Hardness, Repeated, Observation> data;
+  std::variant<Growth, Indentation, Hardness, Repeated, Observation, PressCurves, Tension,
+               BondedDisc>
+      data;
 };
 
 /// @throws InputError with "file:line" for anything that is missing, unknown, of the wrong type or

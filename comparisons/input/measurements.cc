@@ -21,22 +21,25 @@ struct KnownColumn {
   std::string_view name;
   std::optional<MeasuredQuantity> quantity;  ///< none: the load
   double si_per_unit;
+  bool is_position = false;  ///< from an unknown zero
 };
 using Quantity = MeasuredQuantity;
 // The first column of each quantity is the one that the program writes.
-constexpr std::array<KnownColumn, 12> kColumns{
-    {{"load_N", std::nullopt, 1},
-     {"a_mm", Quantity::a, 1e-3},
-     {"a_m", Quantity::a, 1},
-     {"b_mm", Quantity::b, 1e-3},
-     {"b_m", Quantity::b, 1},
-     {"area_mm2", Quantity::area, 1e-6},
-     {"area_m2", Quantity::area, 1},
-     {"indentation_mm", Quantity::indentation, 1e-3},
-     {"indentation_m", Quantity::indentation, 1},
-     {"max_torque_mNm", Quantity::max_torque, 1e-3},
-     {"max_torque_Nm", Quantity::max_torque, 1},
-     {"tangential_force_N", Quantity::tangential_force, 1}}};
+constexpr std::array<KnownColumn, 14> kColumns{
+    {{"load_N", std::nullopt, 1, false},
+     {"a_mm", Quantity::a, 1e-3, false},
+     {"a_m", Quantity::a, 1, false},
+     {"b_mm", Quantity::b, 1e-3, false},
+     {"b_m", Quantity::b, 1, false},
+     {"area_mm2", Quantity::area, 1e-6, false},
+     {"area_m2", Quantity::area, 1, false},
+     {"indentation_mm", Quantity::indentation, 1e-3, false},
+     {"indentation_m", Quantity::indentation, 1, false},
+     {"max_torque_mNm", Quantity::max_torque, 1e-3, false},
+     {"max_torque_Nm", Quantity::max_torque, 1, false},
+     {"tangential_force_N", Quantity::tangential_force, 1, false},
+     {"position_mm", Quantity::indentation, 1e-3, true},
+     {"position_m", Quantity::indentation, 1, true}}};
 constexpr std::string_view kStdSuffix = "_std";
 
 std::string_view trimmed(std::string_view text) {
@@ -49,6 +52,17 @@ std::string_view trimmed(std::string_view text) {
 bool ends_in_std(std::string_view name) {
   return name.size() > kStdSuffix.size() &&
          name.substr(name.size() - kStdSuffix.size()) == kStdSuffix;
+}
+
+/// Loads of a table and the place of each value's, from the loads of the values.
+void set_loads(MeasurementTable& table, const std::vector<double>& value_loads_N) {
+  std::vector<double>& loads_N = table.loads_N;
+  loads_N = value_loads_N;
+  std::sort(loads_N.begin(), loads_N.end());
+  loads_N.erase(std::unique(loads_N.begin(), loads_N.end()), loads_N.end());
+  for (std::size_t i = 0; i < table.values.size(); ++i)
+    table.values[i].contact = std::size_t(
+        std::lower_bound(loads_N.begin(), loads_N.end(), value_loads_N[i]) - loads_N.begin());
 }
 
 class MeasurementReader {
@@ -71,7 +85,7 @@ class MeasurementReader {
     }
     if (table_.values.empty())
       throw InputError(file_, "no measured value", "", "at least one row with a load and a value");
-    sort_by_load();
+    set_loads(table_, row_loads_N_);
     return std::move(table_);
   }
 
@@ -170,6 +184,7 @@ class MeasurementReader {
           refuse("column", quoted(cell),
                  fmt::format("each quantity once; it is there as {}", other->second));
       }
+      table_.has_unknown_zero = table_.has_unknown_zero || known->is_position;
       columns_.push_back({std::string(cell), &*known, is_std, 0, std::nullopt});
     }
     for (std::size_t i = 0; i < columns_.size(); ++i) {
@@ -207,12 +222,25 @@ class MeasurementReader {
     return value;
   }
 
+  /// A machine's row before the touch: its load cell reads nothing or less, or it has not moved.
+  bool is_before_touch() const {
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      if (i != load_ && !columns_[i].known->is_position) continue;
+      const std::string_view cell = cells_[i];
+      double value = 1;
+      const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+      if (error == std::errc() && end == cell.data() + cell.size() && value <= 0) return true;
+    }
+    return false;
+  }
+
   void read_row() {
     if (cells_.size() != columns_.size())
       refuse("number of cells", std::to_string(cells_.size()),
              fmt::format("{}, one for each column (a decimal comma makes two of one)",
                          columns_.size()));
     if (cells_[load_].empty()) refuse("load_N", "\"\"", "a load in each row");
+    if (table_.has_unknown_zero && is_before_touch()) return;
     const double load_N = positive(load_);
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (i == load_ || columns_[i].is_std) continue;
@@ -231,16 +259,6 @@ class MeasurementReader {
     }
   }
 
-  void sort_by_load() {
-    std::vector<double>& loads_N = table_.loads_N;
-    loads_N = row_loads_N_;
-    std::sort(loads_N.begin(), loads_N.end());
-    loads_N.erase(std::unique(loads_N.begin(), loads_N.end()), loads_N.end());
-    for (std::size_t i = 0; i < table_.values.size(); ++i)
-      table_.values[i].contact = std::size_t(
-          std::lower_bound(loads_N.begin(), loads_N.end(), row_loads_N_[i]) - loads_N.begin());
-  }
-
   std::string_view rest_;
   const std::string& file_;
   int line_ = 0;
@@ -252,6 +270,18 @@ class MeasurementReader {
 };
 
 }  // namespace
+
+MeasurementTable MeasurementTable::only(const std::vector<std::size_t>& places) const {
+  MeasurementTable part{file, {}, {}, {}, has_unknown_zero};
+  std::vector<double> value_loads_N;
+  for (const std::size_t place : places) {
+    part.values.push_back(values[place]);
+    part.lines.push_back(lines[place]);
+    value_loads_N.push_back(loads_N[values[place].contact]);
+  }
+  set_loads(part, value_loads_N);
+  return part;
+}
 
 MeasuredColumn measured_column(MeasuredQuantity quantity) {
   for (const KnownColumn& column : kColumns)

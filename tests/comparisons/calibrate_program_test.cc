@@ -326,6 +326,117 @@ TEST_F(CalibrateProgram, RefusesDataThatContradictEveryModelAndSaysWhere) {
       {"shrinking.csv", "no model explains the data within their errors", "a at", "sigma"});
 }
 
+/// A machine's curve of Hertz's sphere, written here: E 180 kPa, nu 0.49, R 12.5 mm on a thick
+/// finger; steps of 0.2 mm from 0.3 mm before the touch, a mount of `mount_N_per_mm`, then back
+/// with 0.1 mm of play. Forces are those of a load cell that reads 0.001 N.
+std::string machine_curve(double exponent = 1.5, double mount_N_per_mm = 1e9,
+                          const std::string& column = "position_mm", int rows = 18) {
+  const double stiffness = 4. / 3 * 0.18 / (1 - 0.49 * 0.49) * std::sqrt(12.5);
+  const auto force_N = [&](double travel_mm) {
+    double low = 0, high = 100;
+    for (int i = 0; i < 60; ++i) {
+      const double force = 0.5 * (low + high);
+      const double travel = std::pow(force / stiffness, 1 / exponent) + force / mount_N_per_mm;
+      (travel < travel_mm ? low : high) = force;
+    }
+    return low;
+  };
+  std::string text = "load_N," + column + "\n";
+  const auto row = [&](double position_mm, double seen_mm) {
+    text += fmt::format("{:.3f},{:.1f}\n", seen_mm > 0 ? force_N(seen_mm) : 0., position_mm);
+  };
+  for (int i = 0; i < rows; ++i) row(0.2 * i, 0.2 * i - 0.3);
+  for (int i = rows - 1; i >= 0; --i) row(0.2 * i, std::min(0.2 * i + 0.1, 0.2 * (rows - 1)) - 0.3);
+  return text;
+}
+
+const char* const kThickTip =
+    "id = \"tip\"\n[geometry]\nfinger = { radii_mm = [12.5, 12.5] }\nobject = { radii_mm = [inf, "
+    "inf] }\n[layer]\nthickness_mm = 1000\nyoungs_modulus_kPa = 500\npoisson_ratio = 0.49\n"
+    "[contact]\nload_N = 1\nfriction_coefficient = 0.8\n";
+
+TEST_F(CalibrateProgram, FitsTheLoadingOfAMachinesCurveAndItsZero) {
+  folder.write("tip.toml", kThickTip);
+  folder.write("curve.csv", machine_curve());
+  const json found = result_of({"calibrate", "curve.csv", "tip.toml", "--model", "hertz"});
+  ASSERT_EQ(found["parameters"].size(), 2u) << found["parameters"];
+  EXPECT_NEAR(found["parameters"]["youngs_modulus"]["value"].get<double>() / 180e3, 1, 0.01);
+  // Forces are written to 0.001 N, which is 0.01 mm near the touch.
+  EXPECT_NEAR(found["parameters"]["zero"]["value"].get<double>(), 0.3e-3, 0.01e-3);
+  const json& branches = found["branches"];
+  EXPECT_EQ(branches["loading"], 16);  // two of eighteen are before the touch
+  EXPECT_GT(branches["unloading"], 14);
+  EXPECT_NEAR(branches["backlash_m"].get<double>(), 0.1e-3, 0.01e-3);
+  EXPECT_LT(branches["hysteresis_share"].get<double>(), 0.02);
+  EXPECT_EQ(found["exponent_doubt"], nullptr);
+  // The column of a known zero, with the zero asked for.
+  std::string bare;
+  for (const std::string& line : lines(machine_curve(1.5, 1e9, "indentation_mm")))
+    if (line.rfind("0.000,", 0) != 0) bare += line + "\n";
+  folder.write("bare.csv", bare);
+  const json other = result_of(
+      {"calibrate", "bare.csv", "tip.toml", "--model", "hertz", "--fit", "youngs_modulus,zero_mm"});
+  EXPECT_NEAR(other["parameters"]["zero"]["value"].get<double>(),
+              found["parameters"]["zero"]["value"].get<double>(), 1e-6);
+  const std::string text = run({"calibrate", "curve.csv", "tip.toml", "--model", "hertz"}).out;
+  for (const char* part : {"Backlash 0.1 mm", "values of loading are used", "Dragon Skin 10"})
+    EXPECT_NE(text.find(part), std::string::npos) << text << "\nhas no " << part;
+}
+
+TEST_F(CalibrateProgram, TakesOffWhatTheMountGives) {
+  folder.write("tip.toml", kThickTip);
+  folder.write("curve.csv", machine_curve(1.5, 10));
+  const auto modulus = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> all = {"calibrate", "curve.csv", "tip.toml", "--model", "hertz"};
+    all.insert(all.end(), options.begin(), options.end());
+    return result_of(all)["parameters"]["youngs_modulus"]["value"].get<double>();
+  };
+  EXPECT_LT(modulus({}), 0.9 * 180e3);
+  EXPECT_NEAR(modulus({"--fix", "mount_N_per_mm=10"}) / 180e3, 1, 0.01);
+  EXPECT_NEAR(modulus({"--fix", "compliance_mm_per_N=0.1"}) / 180e3, 1, 0.01);
+  EXPECT_NEAR(modulus({"--fit", "youngs_modulus,zero,compliance"}) / 180e3, 1, 0.05);
+  expect_refusal({"calibrate", "curve.csv", "tip.toml", "--fix", "mount_N_per_mm=0"},
+                 {"mount_N_per_mm", "0.1 N/mm or more"});
+}
+
+TEST_F(CalibrateProgram, PredictsTheLoadsThatWereKeptBack) {
+  folder.write("tip.toml", kThickTip);
+  folder.write("curve.csv", machine_curve());
+  const json found = result_of(
+      {"calibrate", "curve.csv", "tip.toml", "--hold-out-above", "0.5", "--at-load", "8,10"});
+  const json& held = found["held_out"];
+  ASSERT_GT(held.size(), 3u);
+  for (const json& row : held) {
+    EXPECT_TRUE(row["inside"].get<bool>()) << row;
+    EXPECT_LE(row["band95"][0], row["predicted"]);
+    EXPECT_GE(row["band95"][1], row["predicted"]);
+  }
+  // The band is one of a few per cent, where the model is the truth's neighbour.
+  const json& last = held.back();
+  EXPECT_LT(last["chance"].get<double>() + last["misfit"].get<double>(),
+            0.15 * last["predicted"].get<double>());
+  ASSERT_EQ(found["forecasts"].size(), 2u);
+  EXPECT_EQ(found["forecasts"][1]["load_N"], 10);
+  EXPECT_GT(found["forecasts"][1]["misfit"], found["forecasts"][0]["misfit"]);
+  EXPECT_EQ(result_of({"calibrate", "curve.csv", "tip.toml"})["held_out"], json::array());
+  const auto refuse = [&](const char* option, const char* value, const char* part) {
+    expect_refusal({"calibrate", "curve.csv", "tip.toml", option, value}, {option, part});
+  };
+  refuse("--hold-out-above", "0", "part of the largest load");
+  refuse("--hold-out-above", "2", "part of the largest load");
+  refuse("--at-load", "-1", "loads in N");
+}
+
+TEST_F(CalibrateProgram, RefusesACurveThatNoSolidFingerHas) {
+  folder.write("tip.toml", kThickTip);
+  folder.write("shell.csv", machine_curve(1.05));
+  expect_refusal({"calibrate", "shell.csv", "tip.toml"},
+                 {"shell.csv", "to the power 1.05", "1.5 or more", "hollow", "--force"});
+  const json forced =
+      result_of({"calibrate", "shell.csv", "tip.toml", "--model", "hertz", "--force"});
+  EXPECT_TRUE(forced["exponent_doubt"].is_string());
+}
+
 TEST_F(CalibrateProgram, MeasuresPicturesForItself) {
   // Contacts as predicted, drawn at 0.02 mm per pixel.
   write_truth("relative_radii_mm = [12.0, 9.0]");

@@ -454,6 +454,11 @@ TEST_F(CommandLine, StartsACaseThatCanBePredicted) {
   EXPECT_EQ(answer_of({"init", "-", "--json"})["text"],
             file_text(folder.path() / "my_finger.toml"));
   expect_refusal({"init", "x.toml", "--mesh", "no.stl"}, {"no.stl"});
+  EXPECT_NE(run({"init", "-", "--material", "Dragon Skin 10"}).out.find("value = 147"),
+            std::string::npos);
+  EXPECT_NE(run({"init", "-", "--pad", "--material", "ecoflex 00-30"}).out.find("value = 51"),
+            std::string::npos);
+  expect_refusal({"init", "-", "--material", "Dragon Skim 10"}, {"did you mean", "Dragon Skin"});
   expect_refusal({"init", "x.toml", "--along", "+y"}, {"--mesh"});
   expect_refusal({"init", "x.toml", "--mesh", "no.stl", "--along", "up"}, {"+x, -x"});
   EXPECT_FALSE(fs::exists(folder.path() / "x.toml"));

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "comparisons/input/measured_silicones.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::input {
@@ -51,6 +52,24 @@ TEST(Measurements, AreReadInSiWithTheirLinesAndLoads) {
   expect(3, MeasuredQuantity::max_torque, 0, 1.5e-3, 0, 6);
   expect(4, MeasuredQuantity::tangential_force, 0, 0.4, 0, 6);
   expect(5, MeasuredQuantity::a, 1, 4.1e-3, 0.2e-3, 7);
+}
+
+TEST(Measurements, SkipAMachinesRowsBeforeTheTouch) {
+  const MeasurementTable table = parse_measurements(
+      "load_N,position_mm\n0.01,0.0\n-0.01,0.2\n0,0.4\n0.1,0.6\n0.3,0.8\n", "data.csv");
+  EXPECT_TRUE(table.has_unknown_zero);
+  ASSERT_EQ(table.values.size(), 2u);
+  EXPECT_EQ(table.lines, (std::vector<int>{5, 6}));
+  EXPECT_DOUBLE_EQ(table.values[0].value, 0.6e-3);
+  EXPECT_EQ(table.loads_N, (std::vector<double>{0.1, 0.3}));
+  const MeasurementTable part = table.only({1});
+  EXPECT_EQ(part.loads_N, (std::vector<double>{0.3}));
+  EXPECT_EQ(part.values[0].contact, 0u);
+  EXPECT_TRUE(part.has_unknown_zero);
+  EXPECT_FALSE(parse_measurements("load_N,indentation_mm\n1,2\n", "d").has_unknown_zero);
+  EXPECT_TRUE(has(table_refusal("load_N,indentation_mm\n0,0.4\n"), "load_N"));
+  EXPECT_TRUE(has(table_refusal("load_N,position_mm\n0,0.4\n"), "no measured value"));
+  EXPECT_TRUE(has(table_refusal("load_N,position_mm,indentation_mm\n1,1,1\n"), "once"));
 }
 
 TEST(Measurements, MeanTheSameInMillimetresAndMetres) {
@@ -126,6 +145,26 @@ TEST(Measurements, HaveAColumnForEveryQuantity) {
         parse_measurements("load_N," + column.name + "\n1,2\n", "data.csv");
     EXPECT_EQ(table.values[0].quantity, MeasuredQuantity(i));
     EXPECT_DOUBLE_EQ(table.values[0].value * column.per_SI, 2);
+  }
+}
+
+TEST(MeasuredSilicones, AreFoundByTheirNamesAndModuli) {
+  const MeasuredSilicone& skin = find_measured_silicone("dragon skin 10");
+  EXPECT_EQ(skin.name, "Dragon Skin 10 MEDIUM");
+  EXPECT_EQ(skin.to_30_kPa, 147);
+  EXPECT_EQ(skin.low_kPa(), 111);
+  EXPECT_EQ(skin.high_kPa(), 201);
+  // A whole name counts even where another begins with it.
+  EXPECT_EQ(find_measured_silicone("Dragon Skin FX Pro").to_30_kPa, 99);
+  EXPECT_THROW(find_measured_silicone("Dragon Skin"), InputError);
+  EXPECT_THROW(find_measured_silicone(""), InputError);
+  const auto like = silicones_like(150e3);
+  ASSERT_FALSE(like.empty());
+  EXPECT_EQ(like.front()->name, "Dragon Skin 10 MEDIUM");
+  EXPECT_TRUE(silicones_like(1e9).empty());
+  for (const MeasuredSilicone& one : measured_silicones()) {
+    EXPECT_LE(one.low_kPa(), one.to_30_kPa) << one.name;
+    EXPECT_GE(one.high_kPa(), one.to_30_kPa) << one.name;
   }
 }
 

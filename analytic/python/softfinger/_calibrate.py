@@ -54,6 +54,8 @@ _GUESS = {
     "shear_strength": 2e4,
     "radius_coefficient": 2e-3,
     "radius_exponent": 0.3,
+    "zero": 0.0,
+    "compliance": 0.0,
 }
 
 # The square of the least is still a number.

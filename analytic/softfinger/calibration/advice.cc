@@ -44,6 +44,7 @@ std::string in_words(Parameter parameter, double value) {
   const std::string_view unit = range_of(parameter).unit;
   if (unit == "m") return text("%.3g mm", value * 1e3);
   if (unit == "Pa") return text("%.3g kPa", value * 1e-3);
+  if (unit == "m/N") return text("%.3g mm/N", value * 1e3);
   return text("%.3g", value);
 }
 
@@ -65,6 +66,10 @@ std::string name_in_words(Parameter parameter) {
       return "c";
     case Parameter::radius_exponent:
       return "gamma";
+    case Parameter::zero:
+      return "the zero of the approach";
+    case Parameter::compliance:
+      return "the compliance of machine and mount";
   }
   return {};
 }
@@ -93,7 +98,8 @@ std::vector<Parameter> parameters_of(const CalibrationProblem& problem, const Mo
       case LayerConstants::none:
         break;
     }
-    return parameter == Parameter::friction_coefficient || parameter == Parameter::shear_strength;
+    return parameter == Parameter::friction_coefficient || parameter == Parameter::shear_strength ||
+           range_of(parameter).is_nuisance;
   };
   std::copy_if(problem.free.begin(), problem.free.end(), std::back_inserter(result), depends_on);
   return result;
@@ -326,6 +332,8 @@ NextMeasurement next_measurement(const CalibrationProblem& problem,
   Eigen::Index worst = 0;
   double largest = 0;
   for (std::size_t i = 0; i < problem.free.size(); ++i) {
+    // A nuisance is found with the others; nobody measures for its sake.
+    if (range_of(problem.free[i]).is_nuisance && problem.free.size() > 1) continue;
     const double std = std_of(now, Eigen::Index(i));
     // Half its range is no knowledge of nu.
     const double relative = range_of(problem.free[i]).logarithmic ? std : std / 0.25;

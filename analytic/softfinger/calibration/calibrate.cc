@@ -70,10 +70,23 @@ class Calibrator {
         squares_(predicted_, weights_, contains(problem.free, Parameter::thickness)) {
     const auto& values = problem.measurements.values;
     weights_.resize(values.size());
+    scale_.assign(values.size(), 1);
+    // A reading from an unknown zero has the same error everywhere, not a part of itself.
+    const bool reads_travel =
+        contains(problem.free, Parameter::zero) || contains(problem.free, Parameter::compliance);
+    double largest_m = 0;
+    for (const Measurement& value : values)
+      if (value.quantity == MeasuredQuantity::indentation)
+        largest_m = std::max(largest_m, value.value);
     for (std::size_t i = 0; i < values.size(); ++i) {
       Weight& weight = weights_[i];
+      const bool is_travel = reads_travel && values[i].quantity == MeasuredQuantity::indentation;
+      if (is_travel && values[i].std == 0) {
+        weight.is_relative = false;
+        weight.std = scale_[i] = largest_m;
+      }
       if (values[i].std == 0) continue;
-      weight.is_relative = are_errors_relative(values, values[i].quantity);
+      weight.is_relative = !is_travel && are_errors_relative(values, values[i].quantity);
       weight.std = weight.is_relative ? values[i].std / values[i].value : values[i].std;
     }
   }
@@ -241,7 +254,7 @@ class Calibrator {
       std::array<double, kMeasuredQuantities> sums{}, counts{};
       for (std::size_t i = 0; i < values.size(); ++i) {
         if (has_own_error(i) || !weights_[i].counts) continue;
-        const double log_residual = residuals[Eigen::Index(i)] * weights_[i].std;
+        const double log_residual = residuals[Eigen::Index(i)] * weights_[i].std / scale_[i];
         sums[std::size_t(values[i].quantity)] += log_residual * log_residual;
         ++counts[std::size_t(values[i].quantity)];
       }
@@ -274,7 +287,7 @@ class Calibrator {
         if (has_own_error(i)) continue;
         const double scatter = scatter_[std::size_t(values[i].quantity)];
         if (scatter == 0) continue;
-        weights_[i].std = scatter;
+        weights_[i].std = scatter * scale_[i];
       }
       for (Weight& weight : weights_)
         if (weight.is_relative) weight.shift = 0.5 * weight.std * weight.std;
@@ -448,6 +461,7 @@ class Calibrator {
   const CalibrationProblem& problem_;
   PredictedMeasurements predicted_;
   std::vector<Weight> weights_;
+  std::vector<double> scale_;  ///< to which a scatter is relative: 1 for logarithms
   LeastSquares squares_;
   Fit best_;
   std::vector<ParameterValues> optima_;  ///< where the searches from all starting points ended

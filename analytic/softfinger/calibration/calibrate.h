@@ -32,8 +32,11 @@ struct ParameterEstimate {
   bool is_low_open = false, is_high_open = false;
 
   /// The interval spans less than a factor of two, and ends for a better reason than that the
-  /// search did. Of nu the border is nature's.
+  /// search did. Of nu, and of a compliance at zero, the border is nature's. A nuisance is
+  /// determined where the search ended.
   bool is_determined() const {
+    const ParameterRange& range = range_of(parameter);
+    if (range.is_nuisance) return !is_high_open && (!is_low_open || range.lowest == 0);
     return high <= 2 * low && !(range_of(parameter).logarithmic && (is_low_open || is_high_open));
   }
 };
@@ -51,7 +54,8 @@ struct Calibration {
   std::vector<double> deviation;  ///< (measured - predicted)/std of the measurement
   std::vector<Weight> weights;    ///< as fitted
   /// Standard deviation of the measurements without an error of their own, relative; by quantity
-  /// where their scatters differ more than by chance. Zero: there are none.
+  /// where their scatters differ more than by chance. Zero: there are none. Of approaches that are
+  /// read from an unknown zero, relative to their largest reading.
   std::array<double, kMeasuredQuantities> scatter{};
   /// Probability that chance alone makes the fit to the measurements with stated errors as bad as
   /// this; 1 without such measurements.

@@ -167,6 +167,27 @@ LogNumber friction(MeasuredQuantity quantity, const ContactLogarithms& contact, 
   return result;
 }
 
+/// The reading of an approach: that of the bodies, behind the zero of the scale, and what machine
+/// and mount give.
+LogNumber reading(const LogNumber& approach, const ParameterValues& values,
+                  double load_N) noexcept {
+  const double zero_m = values[index_of(Parameter::zero)];
+  const double given_m = values[index_of(Parameter::compliance)] * load_N;
+  if (!approach.exists()) return approach;
+  const double approach_m = std::exp(approach.value);
+  const double reading_m = approach_m + zero_m + given_m;
+  if (!(reading_m > 0)) return {};
+  LogNumber result = approach;
+  if (zero_m != 0 || given_m != 0) {
+    result = LogNumber::of(reading_m);
+    for (std::size_t i = 0; i < kParameters; ++i)
+      result.slope[i] = approach.slope[i] * approach_m / reading_m;
+  }
+  result.by(Parameter::zero) = 1 / reading_m;
+  result.by(Parameter::compliance) = load_N / reading_m;
+  return result;
+}
+
 LogNumber predicted(MeasuredQuantity quantity, const ContactLogarithms& contact, ShearLaw::Kind law,
                     const ParameterValues& values, double load_N, bool with_slopes) noexcept {
   switch (quantity) {
@@ -177,7 +198,7 @@ LogNumber predicted(MeasuredQuantity quantity, const ContactLogarithms& contact,
     case MeasuredQuantity::area:
       return product(LogNumber::of(kPi), product(contact.a, contact.b));
     case MeasuredQuantity::indentation:
-      return contact.indentation;
+      return reading(contact.indentation, values, load_N);
     case MeasuredQuantity::max_torque:
     case MeasuredQuantity::tangential_force:
       return friction(quantity, contact, law, values, load_N, with_slopes);

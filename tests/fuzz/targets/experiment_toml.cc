@@ -22,8 +22,11 @@ bool read(std::string_view bytes) {
   try {
     const experiments::Experiment experiment =
         experiments::parse_experiment(std::string(bytes), "fuzzed.toml");
-    // Each exponent is that of hundreds of contacts, which take seconds with sanitizers.
-    if (std::holds_alternative<experiments::Growth>(experiment.data)) return true;
+    // Each exponent is that of hundreds of contacts, and each curve three calibrations, which take
+    // seconds with sanitizers.
+    if (std::holds_alternative<experiments::Growth>(experiment.data) ||
+        std::holds_alternative<experiments::PressCurves>(experiment.data))
+      return true;
     const experiments::Examined examined = experiments::examine(experiment);
     require_numbers(examined);
     experiments::table({examined});
