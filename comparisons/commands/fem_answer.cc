@@ -134,9 +134,10 @@ std::string with_bound(double bound) {
 std::string describe_reference(const input::Case& contact_case, int level) {
   return fmt::format("{}, {}, Q2/P1 elements of level {}, pressed {}",
                      geometry_in_words(contact_case), strain_in_words(contact_case), level,
-                     contact_case.pressing == PressingFriction::none      ? "without friction"
-                     : contact_case.pressing == PressingFriction::coulomb ? "with Coulomb's friction"
-                                                                          : "without any slip");
+                     contact_case.pressing == PressingFriction::none ? "without friction"
+                     : contact_case.pressing == PressingFriction::coulomb
+                         ? "with Coulomb's friction"
+                         : "without any slip");
 }
 
 std::string answer_line(const FemAnswerText& answer) {
@@ -167,7 +168,8 @@ std::string evidence_text(const FemAnswerText& answer) {
                           check.value, check.limit, check.message);
   if (answer.contact_case.pressing != PressingFriction::none)
     text += fmt::format(
-        "  pressed with friction: {:.0f} % of the area sticks; the torque is that of full slip, the "
+        "  pressed with friction: {:.0f} % of the area sticks; the torque is that of full slip, "
+        "the "
         "same as without\n",
         100 * result.document.value("stick_share", 0.0));
   if (result.twist) text += twist_table(result);

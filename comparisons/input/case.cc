@@ -480,10 +480,10 @@ void require_plain_pad(const TomlReader& reader, const toml::table& root) {
 
 void refuse_pressing(const Case& contact_case, const std::string& command) {
   if (contact_case.pressing == PressingFriction::none) return;
-  throw InputError(contact_case.file.string(), "pressing",
-                   std::string("\"") + name_of(contact_case.pressing) + "\"",
-                   "\"frictionless\" for " + command +
-                       "; predict, fem and compare press with friction");
+  throw InputError(
+      contact_case.file.string(), "pressing",
+      std::string("\"") + name_of(contact_case.pressing) + "\"",
+      "\"frictionless\" for " + command + "; predict, fem and compare press with friction");
 }
 
 void refuse_pad(const Case& contact_case, const std::string& command) {

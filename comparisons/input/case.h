@@ -109,8 +109,8 @@ struct Case {
   Doubts doubts;                             ///< numbers that were given with their doubt
   ShearLaw shear_law;                        ///< what friction carries at a point
   PressingFriction pressing = PressingFriction::none;  ///< friction while it is pressed
-  int fem_level = 2;                         ///< 1 to 3
-  bool fem_curved = false;                   ///< finite elements on the finger's own curved core
+  int fem_level = 2;                                   ///< 1 to 3
+  bool fem_curved = false;         ///< finite elements on the finger's own curved core
   std::filesystem::path fem_mesh;  ///< of the layer, in place of the flat one; empty: our own
   double fem_mesh_metres_per_unit = 1e-3;
   std::optional<FiniteStrain> fem_finite;  ///< none: linear elasticity

@@ -171,7 +171,8 @@ std::string table(const std::vector<ModelAnswer>& answers, TorqueRule rule) {
                                check.limit);
     if (answer.rubbed)
       remarks += fmt::format(
-          "  {}: pressed with friction, {}; without it a {:.4g} mm, d {:.4g} mm. The largest torque "
+          "  {}: pressed with friction, {}; without it a {:.4g} mm, d {:.4g} mm. The largest "
+          "torque "
           "is the same: at full slip friction points along the slip\n",
           name, answer.pressing == PressingFriction::stuck ? "all of it stuck" : "Coulomb's law",
           1e3 * answer.prediction.a_m, 1e3 * answer.prediction.indentation_m);

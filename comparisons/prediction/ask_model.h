@@ -70,7 +70,7 @@ struct Assessment {
 struct ModelAnswer {
   const PressureModel* model = nullptr;
   ContactProblem problem;
-  ShearLaw shear_law;  ///< of the case; Coulomb's with the problem's coefficient without one
+  ShearLaw shear_law;     ///< of the case; Coulomb's with the problem's coefficient without one
   Prediction prediction;  ///< of frictionless pressing, which the largest torque is that of
   PressingFriction pressing = PressingFriction::none;
   /// The contact as it is pressed with friction, where the case asks for that and the model knows.

@@ -34,8 +34,9 @@ RubbedState on_points(const RubbedState& of_nodes, const SurfaceCompliance& surf
 /// A contact with friction, in the units of the model (h, E h²).
 ///
 /// It is pressed without friction, and from then on friction resists at constant load; or friction
-/// acts from the first touch. Every displacement of the surface is measured from there. Normal and tangential problem are solved in turn until neither changes:
-/// tangential forces lift and lower the surface, which moves pressure, which moves the limits.
+/// acts from the first touch. Every displacement of the surface is measured from there. Normal and
+/// tangential problem are solved in turn until neither changes: tangential forces lift and lower
+/// the surface, which moves pressure, which moves the limits.
 class FrictionalContact {
  public:
   /// @param gap    per point of the surface

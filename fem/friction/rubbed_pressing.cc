@@ -78,13 +78,11 @@ RubbedPressing press_rubbing(const PressedContact& contact, const QuarterComplia
   const SurfaceCompliance surface = surface_compliance(quarters, Invariance::mirrors);
   const FrictionBound bound(contact.law, {});
   const Eigen::VectorXd gap = contact.gap(surface.model_node);
-  const int steps =
-      std::max(fewest_steps,
-               steps_per_element * contact.model.discretisation().elements_per_semi_axis);
+  const int steps = std::max(
+      fewest_steps, steps_per_element * contact.model.discretisation().elements_per_semi_axis);
   const auto [pressed, stick_share] =
-      goal.approach > 0
-          ? pressed_at(surface, gap, bound, goal.approach, contact.load, steps)
-          : pressed_to(surface, gap, bound, goal.load, steps);
+      goal.approach > 0 ? pressed_at(surface, gap, bound, goal.approach, contact.load, steps)
+                        : pressed_to(surface, gap, bound, goal.load, steps);
   FrictionState last;
   find_touching(contact, surface, pressed, last);
 

@@ -6,7 +6,7 @@
 /// Pressing with friction from the first touch, on one mesh, in linear elasticity.
 namespace softfinger::fem {
 
-/// What a contact is pressed to.
+/// The load or the approach that a contact is pressed to.
 struct PressingGoal {
   double load = 0;      ///< of the whole contact
   double approach = 0;  ///< > 0: in place of the load
@@ -15,8 +15,8 @@ struct PressingGoal {
 /// A contact that was pressed with friction, per node of the model.
 struct RubbedPressing {
   RubbedState state;
-  Eigen::VectorXd lift;  ///< of each node towards the object by friction
-  double load = 0;       ///< of the whole contact
+  Eigen::VectorXd lift;    ///< of each node towards the object by friction
+  double load = 0;         ///< of the whole contact
   double stick_share = 0;  ///< of the area that touches, in the end
 };
 

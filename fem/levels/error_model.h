@@ -110,7 +110,7 @@ constexpr ErrorTable finite_strain{
 /// (Against 36 round contacts, nu 0.3 to 0.49, a/h 0.5 to 3, mu 0.1 to no slip, levels 2 and 3: d
 /// and the arm were 0.3 and 0.13 % off.)
 constexpr double order_of_rubbed_pressing = 1;
-/// Where the surface would slip inwards, stick leaves a cusp in the middle of the pressure, which a
+/// Stick leaves a cusp in the middle of the pressure where the surface would slip inwards, which a
 /// smooth fit rounds off: by 1.0 to 2.3 % at nu = 0.3, a/h = 0.5. It goes with the coupling of
 /// normal and tangential displacements, Dundurs' (1 - 2 nu)/(2 (1 - nu)).
 constexpr double rounded_cusp = 0.055;

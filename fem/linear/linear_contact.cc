@@ -271,7 +271,7 @@ class LinearContact : public ContactPhysics {
 
   /// Presses the contact once more with friction.
   std::optional<FoldedLayer> rub() {
-    PressedContact start{*pressed_.model,   pressed_.gap,     pressed_.contact.force,
+    PressedContact start{*pressed_.model,   pressed_.gap,      pressed_.contact.force,
                          pressed_.moment_a, pressed_.moment_b, pressed_.load(),
                          pressing_law()};
     start.edge = outermost(start);
@@ -329,13 +329,9 @@ class LinearContact : public ContactPhysics {
   }
 
   PressedContact start_of_friction() const {
-    PressedContact start{*pressed_.model,
-                         pressed_.gap,
-                         frictionless().contact.force,
-                         shape_.block_a,
-                         shape_.block_b,
-                         pressed_.load(),
-                         task_.problem.friction_law_of_model()};
+    PressedContact start{
+        *pressed_.model, pressed_.gap,    frictionless().contact.force,         shape_.block_a,
+        shape_.block_b,  pressed_.load(), task_.problem.friction_law_of_model()};
     if (rubbed_) start.rubbed = rubbed_->state;
     const auto& nodes = pressed_.model->nodes();
     if (start.law.has_shear_strength()) {
@@ -349,8 +345,8 @@ class LinearContact : public ContactPhysics {
           start.law, {start.force, area, radius, 1.0 / discretisation().elements_per_semi_axis,
                       shape_.projected_area / pressed_.copies()});
     }
-    // Without symmetry nodes beyond the ellipse of the moments may touch. A contact that was pressed
-    // with friction is smaller than it is at full slip.
+    // Without symmetry nodes beyond the ellipse of the moments may touch. A contact that was
+    // pressed with friction is smaller than it is at full slip.
     if (!pressed_.model->planes().both() || rubbed_) start.edge = outermost(start);
     return start;
   }
@@ -365,7 +361,7 @@ class LinearContact : public ContactPhysics {
   Pressed pressed_;
   std::optional<Pressed> frictionless_;   ///< where `pressed_` is pressed with friction
   std::optional<RubbedPressing> rubbed_;  ///< in the same case
-  ContactShape shape_;  ///< as measured last
+  ContactShape shape_;                    ///< as measured last
 };
 
 /// Properties that two contacts must share for one to be solved on the other's meshes.

@@ -227,9 +227,11 @@ Problem read_problem(const json& input, const MeshReaders& readers) {
   const ShearLaw law = problem.friction_law();
   if (law.has_shear_strength()) problem.shear_strength_Pa = root.at("shear_strength_Pa").positive();
   if (const auto pressing = root.find("pressing")) {
-    const std::string typed = pressing->choice({kPressingFrictionNames.begin(), kPressingFrictionNames.end()});
+    const std::string typed =
+        pressing->choice({kPressingFrictionNames.begin(), kPressingFrictionNames.end()});
     problem.pressing = PressingFriction(
-        std::find(kPressingFrictionNames.begin(), kPressingFrictionNames.end(), typed) - kPressingFrictionNames.begin());
+        std::find(kPressingFrictionNames.begin(), kPressingFrictionNames.end(), typed) -
+        kPressingFrictionNames.begin());
   }
   problem.contact.load = {
       problem.approach_m != 0 ? 0.0 : root.at("load_N").positive(),

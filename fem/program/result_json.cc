@@ -105,6 +105,8 @@ json to_json(const Problem& problem, const Result& result) {
                       {"cpu_s", level.cpu_s}});
   json outlines = json::array();
   for (const Eigen::Matrix2Xd& outline : finest.outlines_m) outlines.push_back(points(outline));
+  const json stick_share =
+      problem.pressing == PressingFriction::none ? json() : json(finest.stick_share);
   json output = {{"model", "fem"},
                  {"load_N", finest.load_N},
                  {"a_m", finest.a_m},
@@ -127,9 +129,7 @@ json to_json(const Problem& problem, const Result& result) {
                  {"eccentricity_m", finest.max_torque_Nm / finest.max_force_N},
                  {"pressing", name_of(problem.pressing)},
                  {"pressure_arm_m", finest.pressure_arm_m},
-                 {"stick_share", problem.pressing == PressingFriction::none
-                                     ? json(nullptr)
-                                     : json(finest.stick_share)},
+                 {"stick_share", stick_share},
                  {"error", relative(result.error)},
                  {"level", problem.level},
                  {"levels", levels},

@@ -271,7 +271,7 @@ TEST_F(FlatPad, RefusesBadInputWithOneLine) {
        "no [object_layer] yet"}};
   for (const auto& one : wrong)
     expect_refusal(predict(pad_text(one.finger, one.object, one.contact)), one.words);
-  expect_refusal(predict(case_text() + "pressing = \"stuck\"\n"), "pressing");
+  expect_refusal(predict(case_text() + "load_at_mm = [1, 0]\n"), "load_at_mm");
   expect_refusal(predict(pad_text(), {"--model", "hertz"}), "no model of flat pads");
   expect_refusal(predict(pad_text(), {"--torque-rule", "paper"}), "--torque-rule");
   expect_refusal(predict(pad_text(), {"--gap", "sampled"}), "--gap");

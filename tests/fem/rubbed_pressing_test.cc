@@ -82,7 +82,7 @@ TEST(RubbedPressing, ToAnApproachIsThatToItsLoad) {
   const Result by_load = solve(problem, quiet);
   problem.approach_m = by_load.finest.indentation_m;
   const Result by_approach = solve(problem, quiet);
-  // The same mesh: a secant's 1e-7 in the approach, and what pressure and friction settle to.
+  // Both have one mesh: a secant's 1e-7 in the approach, and what pressure and friction settle to.
   constexpr double settled = 3e-5;
   EXPECT_NEAR(by_approach.finest.load_N / by_load.finest.load_N, 1, settled);
   EXPECT_NEAR(by_approach.finest.torque_arm_m / by_load.finest.torque_arm_m, 1, settled);
