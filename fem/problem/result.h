@@ -23,8 +23,8 @@ struct LevelResult {
   /// int tau r dA and int tau dA of the frictionless pressure, tau the shear law's stress.
   double max_torque_Nm = 0, max_force_N = 0;
   double torque_arm_m = 0;  ///< int p r dA / P of the frictionless pressure
-  /// The same of the pressure as the contact is pressed, with or without friction; and the share of
-  /// its area that sticks then.
+  /// Arm of the pressure as the contact is pressed, with or without friction, and the share of its
+  /// area that sticks then.
   double pressure_arm_m = 0, stick_share = 0;
   /// The area that touches, seen along the load, and on the deformed surface. The first is what
   /// models of contact predict. The second has the object's slope, in linear elasticity too.
