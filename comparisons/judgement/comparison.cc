@@ -28,7 +28,7 @@ bool has_cheap_pressure(const ModelAnswer& answer) {
   constexpr double kAffordable_ms = 2;
   if (answer.model->card().hot_path) return true;
   const auto start = Clock::now();
-  answer.model->pressure_Pa(answer.problem, answer.prediction, 0, 0);
+  answer.model->pressure_Pa(answer.problem, answer.pressed(), 0, 0);
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count() < kAffordable_ms;
 }
 
@@ -36,12 +36,12 @@ PressureProfile profile(const ModelAnswer& answer, bool along_x) {
   constexpr int kPoints = 61;
   constexpr double kQuarterTurn_rad = 1.57079632679489662;
   PressureProfile profile;
-  const double end_m = along_x ? answer.prediction.a_m : answer.prediction.b_m;
+  const double end_m = along_x ? answer.pressed().a_m : answer.pressed().b_m;
   for (int i = 0; i < kPoints; ++i) {
     // Denser towards the edge, where a Hertz pressure falls steeply.
     const double x_m = end_m * std::sin(kQuarterTurn_rad * i / (kPoints - 1));
     profile.position_m.push_back(x_m);
-    profile.pressure_Pa.push_back(answer.model->pressure_Pa(answer.problem, answer.prediction,
+    profile.pressure_Pa.push_back(answer.model->pressure_Pa(answer.problem, answer.pressed(),
                                                             along_x ? x_m : 0, along_x ? 0 : x_m));
   }
   return profile;
