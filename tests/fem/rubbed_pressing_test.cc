@@ -70,7 +70,8 @@ TEST(RubbedPressing, LeavesTheTorqueAtFullSlipAsItIs) {
                 result.torsion->full_slip_error);
     EXPECT_NEAR(result.finest.max_torque_Nm / frictionless.finest.max_torque_Nm, 1,
                 result.error.max_torque);
-    // Nodes whose friction is used up by pressing slip sooner: less torque at the same angle.
+    // Nodes whose friction is used up by pressing slip sooner: less torque at the same angle, but
+    // for what two meshes of different size make of it.
     EXPECT_LT(result.torsion->increments[4].wrench.torque_Nm,
               frictionless.torsion->increments[4].wrench.torque_Nm * (1 + 1e-3));
   }
