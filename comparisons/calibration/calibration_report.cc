@@ -218,7 +218,8 @@ std::string growth_sentence(const GrowthExponent& growth) {
   return fmt::format("The contact's width grows as P^({:.3f} ± {:.3f}).", growth.value, growth.std);
 }
 
-/// Which branch was fitted, and what the other says; empty where there is one only.
+/// The sentence that names the fitted branch and what the other one says; empty where there is one
+/// branch only.
 std::string branches_sentence(const CaseCalibration& calibration) {
   if (!calibration.branches) return {};
   const MeasuredBranches& branches = *calibration.branches;

@@ -18,7 +18,7 @@ struct MeasuredSilicone {
   double high_kPa() const;
 };
 
-/// From the tension tests (ASTM D412) of the Soft Robotics Materials Database, repository
+/// The tension tests (ASTM D412) of the Soft Robotics Materials Database, repository
 /// LucMarechal/Soft-Robotics-Materials-Database: Marechal et al., Soft Robotics (2020), doi
 /// 10.1089/soro.2019.0115. Crosshead strain: lower bounds.
 const std::vector<MeasuredSilicone>& measured_silicones();
@@ -28,7 +28,7 @@ const std::vector<MeasuredSilicone>& measured_silicones();
 /// @throws InputError with the nearest names
 const MeasuredSilicone& find_measured_silicone(const std::string& typed);
 
-/// Those whose scatter contains this modulus, nearest first.
+/// Materials whose scatter contains this modulus, the nearest first.
 std::vector<const MeasuredSilicone*> silicones_like(double youngs_modulus_Pa);
 
 }  // namespace softfinger::input

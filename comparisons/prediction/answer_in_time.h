@@ -54,7 +54,8 @@ struct AnswerInTime {
 LocalGeometry geometry_at(const input::Case& contact_case, const GeometryResolver& resolver,
                           const Moment& moment);
 
-/// As `ask_model` for a case, at a moment. Without deviations and assessment.
+/// Asks a model about a contact of a case at a moment, as `ask_model` does for an elastic one. The
+/// answer has neither deviations nor an assessment.
 AnswerInTime ask_in_time(const PressureModel& model, const input::Case& contact_case,
                          const LocalGeometry& geometry, const Moment& moment,
                          std::optional<double> time_budget_ns = std::nullopt);

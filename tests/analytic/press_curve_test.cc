@@ -247,7 +247,7 @@ TEST(Forecast, HoldsTheUpperHalvesOfStiffeningCreepingFingersOnMounts) {
     widths.push_back((last.chance + last.misfit) / last.value);
   }
   EXPECT_GE(inside, 0.95 * values);
-  // From half of the load to the whole, Hertz's travel grows by 59 %: a band of a third of that on
+  // Hertz's travel grows by 59 % from half of the load to the whole: a band of a third of that on
   // either side still tells something.
   std::sort(widths.begin(), widths.end());
   EXPECT_LT(widths[widths.size() / 2], 0.2);

@@ -126,7 +126,8 @@ TEST(Experiments, HaveTheirVerdicts) {
   EXPECT_EQ(files, expected.size());
 }
 
-// By hand from the table: 413, 732, 1142, 1690 kPa of Gent's relation over 147, 394, 587, 878.
+// The ratios were divided by hand: 413, 732, 1142, 1690 kPa of Gent's relation over 147, 394, 587,
+// 878.
 TEST(Experiments, SayByHowMuchAHardnessOverestimatesSilicone) {
   const Examined tension = examined("silicones_tension");
   ASSERT_EQ(tension.findings.size(), 4u);

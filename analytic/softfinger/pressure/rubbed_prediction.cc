@@ -20,7 +20,7 @@ constexpr RatioConstants kOfArm{0.2161, 0.5143, 0.1902, 18.23, 2.858, 2.887,
                                 0.5468, 4.055,  0.2215, 5.034, 0,     0.1538};
 
 double ratio(const RatioConstants& of, double nu, double size, double mu) noexcept {
-  // Beyond, powers leave the numbers and the ratios no longer change.
+  // Powers of larger and smaller sizes do not fit into a double; the ratios no longer change there.
   const double s = std::clamp(size, 1e-30, 1e30);
   // Half of the root of pi: the error function then begins with the slope 1.
   constexpr double kUnitSlope = 0.886;

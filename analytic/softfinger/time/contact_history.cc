@@ -283,7 +283,7 @@ Eigen::ArrayXd ContactHistory::relaxed(const Numbers& numbers, double time_s, co
     const double length_s = end_s - segment.begin_s;
     const bool rests = drive_ == Drive::approach && segment.slope == 0;
     if ((is_last && reach.is_in_step) || !(length_s > 0) || rests) continue;
-    // By parts, which needs no derivative of the numbers.
+    // Integration by parts needs no derivative of the numbers.
     const auto at = [&](double s) {
       return Eigen::ArrayXd(numbers(size_of(value_of(segment, s), memory(segment, s))) - begin);
     };

@@ -89,7 +89,8 @@ Decay best_on_grid(const Eigen::ArrayXd& times, const Eigen::ArrayXd& forces,
   return best;
 }
 
-/// By Levenberg and Marquardt, within what is a relaxation.
+/// Refines a decay by least squares (Levenberg and Marquardt). Amplitudes and times stay those of a
+/// relaxation.
 Decay refined(Decay decay, const Eigen::ArrayXd& times, const Eigen::ArrayXd& forces) {
   double damping = 1e-3, here = misfit(decay, times, forces);
   const Eigen::Index count = decay.amplitudes.size();
