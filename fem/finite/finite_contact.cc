@@ -11,6 +11,7 @@
 #include "fem/base/stopwatch.h"
 #include "fem/finite/correct_friction.h"
 #include "fem/finite/deformed_contact.h"
+#include "fem/finite/rubbed_pressing.h"
 #include "fem/finite/superposed_friction.h"
 #include "fem/levels/level_loop.h"
 #include "fem/output/surface_series.h"
@@ -74,7 +75,7 @@ class FiniteContact : public ContactPhysics {
   }
 
   RoughSize size() const override {
-    const Equilibrium& found = equilibrium();
+    const Equilibrium& found = as_pressed().equilibrium();
     return {found.moment_a,
             found.moment_b,
             found.approach,
@@ -84,7 +85,8 @@ class FiniteContact : public ContactPhysics {
   }
 
   std::optional<FoldedLayer> end_beside() const override {
-    return fem::end_beside(pressing_->layer().nodes(), equilibrium().force, task_.pressing);
+    return fem::end_beside(pressing_->layer().nodes(), as_pressed().equilibrium().force,
+                           task_.pressing);
   }
 
   PressOther press_other() override {
@@ -109,27 +111,37 @@ class FiniteContact : public ContactPhysics {
     check_covered();
     const MaterialChoice& surface =
         problem_.sublayers.empty() ? *problem_.finite_strain : problem_.sublayers.front().material;
-    Outcome<DeformedContact, Unmeasured> measured =
-        finite::measure(*pressing_, task_.pressing.surface_modulus(), surface);
+    const auto measure_contact = [&](const FinitePressing& pressing) {
+      return finite::measure(pressing, task_.pressing.surface_modulus(), surface);
+    };
+    Outcome<DeformedContact, Unmeasured> measured = measure_contact(*pressing_);
     if (!measured) return measured.reason();
     contact_ = *std::move(measured);
-    const Equilibrium& found = equilibrium();
+    DeformedContact as_pressed = contact_;
+    if (rubbed_) {
+      measured = measure_contact(*rubbed_->pressing);
+      if (!measured) return measured.reason();
+      as_pressed = *std::move(measured);
+    }
+    const Equilibrium& found = this->as_pressed().equilibrium();
     Measurement measurement;
-    measurement.block_a = contact_.shape.block_a;
-    measurement.block_b = contact_.shape.block_b;
-    measurement.centre = contact_.centre;
+    measurement.block_a = as_pressed.shape.block_a;
+    measurement.block_b = as_pressed.shape.block_b;
+    measurement.centre = as_pressed.centre;
     measurement.residual = found.out_of_balance;
     LevelResult& result = measurement.result;
     result.elements_per_semi_axis = pressing_->layer().discretisation().elements_per_semi_axis;
     result.unknowns = pressing_->layer().unknowns();
     result.active_nodes = found.active;
     result.iterations = pressing_->history().iterations;
-    set_shape(contact_.shape, h_, E_, result);
-    result.area_m2 = contact_.area * h_ * h_;
+    set_shape(as_pressed.shape, h_, E_, result);
+    result.area_m2 = as_pressed.area * h_ * h_;
     result.indentation_m = found.approach * h_;
     result.load_N =
         problem_.approach_m > 0 ? found.load * E_ * h_ * h_ : problem_.contact.load.normal_force_N;
-    result.torque_arm_m = result.pressure_arm_m = contact_.torque_arm * h_;
+    result.torque_arm_m = contact_.torque_arm * h_;
+    result.pressure_arm_m = as_pressed.torque_arm * h_;
+    if (rubbed_) result.stick_share = rubbed_->stick_share;
     set_largest_friction(result);
     result.strain_energy_J = found.energy * E_ * h_ * h_ * h_;
     const double load = task_.pressing.load;
@@ -166,12 +178,12 @@ class FiniteContact : public ContactPhysics {
   }
 
   std::vector<PressurePoint> pressures() const override {
-    const Eigen::VectorXd pressure = nodal_pressure(*pressing_);
+    const Eigen::VectorXd pressure = nodal_pressure(as_pressed());
     const auto& nodes = pressing_->layer().nodes();
     std::vector<PressurePoint> result;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const Eigen::Vector2d at =
-          pressing_->layer().position(i).head<2>() + task_.pressing.bent.centre;
+          as_pressed().layer().position(i).head<2>() + task_.pressing.bent.centre;
       result.push_back(
           {nodes[i].x, nodes[i].y, at.x(), at.y(), pressure[static_cast<Eigen::Index>(i)]});
     }
@@ -182,13 +194,16 @@ class FiniteContact : public ContactPhysics {
     OutputFiles files;
     if (problem_.output_directory.empty()) return files;
     files.vtu = problem_.output_directory + "/solution.vtu";
-    pressing_->layer().write_vtu(files.vtu, nodal_pressure(*pressing_), h_, E_);
+    as_pressed().layer().write_vtu(files.vtu, nodal_pressure(as_pressed()), h_, E_);
     files.pvd = series_.finish();
     return files;
   }
 
  private:
   const Equilibrium& equilibrium() const { return pressing_->equilibrium(); }
+  /// The contact as it was pressed. At full slip it is again the frictionless one, whatever
+  /// friction did before.
+  const FinitePressing& as_pressed() const { return rubbed_ ? *rubbed_->pressing : *pressing_; }
 
   /// @param start  the state on another mesh, near the one on this mesh; null: none
   std::optional<Obstacle> press_from(const FinitePressing* start, const LayerDiscretisation& mesh) {
@@ -205,7 +220,29 @@ class FiniteContact : public ContactPhysics {
       return NotReached{told, last.moment_a, last.moment_b};
     }
     pressing_ = std::move(pressing);
-    return reached_end();
+    rubbed_.reset();
+    std::optional<FoldedLayer> end = reached_end();
+    if (end) return *std::move(end);
+    if (problem_.pressing == PressingFriction::none || equilibrium().reaches_rim)
+      return std::nullopt;
+    return rub(mesh);
+  }
+
+  /// Presses the contact once more, with friction.
+  std::optional<Obstacle> rub(const LayerDiscretisation& mesh) {
+    Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> layer = make_layer(mesh);
+    if (!layer) return layer.reason();
+    // Shear over pressure is below 1 where all sticks but in the last nodes before the edge.
+    constexpr double never_slips = 10;
+    const FrictionBound bound = problem_.pressing == PressingFriction::stuck
+                                    ? FrictionBound(never_slips)
+                                    : FrictionBound(law_.friction_coefficient);
+    pressing_->release_factor();
+    rubbed_ = press_rubbing(*layer, object_, bound, {task_.pressing.load, task_.pressing.approach});
+    rubbed_->pressing->release_factor();
+    // The torque at full slip is that of the frictionless pressure under the same load.
+    if (task_.pressing.approach > 0) pressing_->press({rubbed_->pressing->equilibrium().load, 0});
+    return std::nullopt;
   }
 
   Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> make_layer(
@@ -453,9 +490,10 @@ class FiniteContact : public ContactPhysics {
   const ShearLaw law_;  ///< in the units of the model
   const Materials materials_;
   const std::shared_ptr<const RigidObject> object_;
-  std::shared_ptr<FinitePressing> pressing_;
-  int level_ = 0;            ///< of that mesh
-  DeformedContact contact_;  ///< as measured last
+  std::shared_ptr<FinitePressing> pressing_;  ///< without friction
+  std::optional<RubbedPressing> rubbed_;      ///< the same contact, pressed with friction
+  int level_ = 0;                             ///< of that mesh
+  DeformedContact contact_;                   ///< as measured last, of the frictionless one
   SurfaceSeries series_;
 };
 

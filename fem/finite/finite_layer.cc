@@ -74,9 +74,12 @@ struct FiniteLayer::Implementation : LayerSpace {
   Eigen::Matrix3Xd borne;    ///< these forces: along the tangents and into the layer
   std::unique_ptr<CholeskyFactor> factor;
   std::vector<int> condensed;  ///< unknowns of the surface that the factor eliminates last
-  Eigen::VectorXd springs;     ///< that hold these in the factor; on normals only
-  Eigen::MatrixXd held;        ///< stiffness of these with the springs
-  Eigen::VectorXd forward;     ///< half of the solution for the residual
+  /// Their rows among all components that the surface is condensed to: a mirror plane fixes some.
+  std::vector<Eigen::Index> rows_of_condensed;
+  Eigen::Index rows = 0;    ///< number of all those components
+  Eigen::VectorXd springs;  ///< that hold the condensed unknowns in the factor; on normals only
+  Eigen::MatrixXd held;     ///< stiffness of these with the springs
+  Eigen::VectorXd forward;  ///< half of the solution for the residual
   double shift = 0;
   // The latest step:
   State start;
@@ -493,15 +496,21 @@ void FiniteLayer::Implementation::factorise(Along along) {
   if (dissection.empty()) dissect(matrix, free);
   const std::vector<int> ordering = dissection_of(free);
   std::vector<int> last;
+  rows_of_condensed.clear();
+  rows = 0;
+  std::vector<double> held_by;
   for (const auto& dofs_of_node : node_dofs)
-    for (std::size_t c = along == Along::normals ? 2 : 0; c < 3; ++c)
-      last.push_back(free.of_dof[dofs_of_node[c]]);
+    for (std::size_t c = along == Along::normals ? 2 : 0; c < 3; ++c, ++rows) {
+      const int unknown = free.of_dof[dofs_of_node[c]];
+      if (unknown < 0) continue;
+      last.push_back(unknown);
+      rows_of_condensed.push_back(rows);
+      held_by.push_back(c == 2 ? hold(matrix, unknown) : 0);
+    }
   if (last != condensed) factor.reset();  // before the next one takes its memory
   condensed = std::move(last);
-  springs.setZero(static_cast<Eigen::Index>(condensed.size()));
-  const Eigen::Index per_node = along == Along::normals ? 1 : 3;
-  for (Eigen::Index row = per_node - 1; row < springs.size(); row += per_node)
-    springs[row] = hold(matrix, condensed[static_cast<std::size_t>(row)]);
+  springs =
+      Eigen::Map<const Eigen::VectorXd>(held_by.data(), static_cast<Eigen::Index>(held_by.size()));
   // Friction rather goes from another start or in shorter steps.
   const double first_shift = 1e-3, largest_shift = along == Along::all ? 0 : 1;
   shift = 0;
@@ -537,14 +546,17 @@ Eigen::VectorXd FiniteLayer::Implementation::surface_sign() const {
 }
 
 Eigen::VectorXd FiniteLayer::Implementation::borne_by_condensed() const {
-  if (springs.size() == borne.cols()) return borne.row(2).transpose();
-  return borne.reshaped();
+  if (rows == borne.cols()) return borne.row(2).transpose()(rows_of_condensed);
+  return borne.reshaped()(rows_of_condensed);
 }
 
 Eigen::VectorXd FiniteLayer::surface_force() const {
   const auto& self = *implementation_;
-  return self.surface_sign().cwiseProduct(self.factor->force_on_last(self.forward)) -
-         self.borne_by_condensed();
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(self.rows);
+  result(self.rows_of_condensed) =
+      self.surface_sign().cwiseProduct(self.factor->force_on_last(self.forward)) -
+      self.borne_by_condensed();
+  return result;
 }
 
 SurfaceResponse FiniteLayer::surface_response() const {
@@ -554,6 +566,11 @@ SurfaceResponse FiniteLayer::surface_response() const {
   response.force = surface_force();
   response.stiffness = sign.asDiagonal() * self.held * sign.asDiagonal();
   response.stiffness.diagonal() -= self.springs;
+  if (self.springs.size() < self.rows) {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(self.rows, self.rows);
+    all(self.rows_of_condensed, self.rows_of_condensed) = response.stiffness;
+    response.stiffness = std::move(all);
+  }
   return response;
 }
 
@@ -600,9 +617,10 @@ double FiniteLayer::find_step(const Eigen::VectorXd& force, const Eigen::VectorX
   auto& self = *implementation_;
   const Eigen::VectorXd sign = self.surface_sign();
   Eigen::VectorXd forward = self.forward;
-  self.factor->add_to_last(sign.cwiseProduct(force - self.borne_by_condensed() +
-                                             self.springs.cwiseProduct(displacement)),
-                           forward);
+  self.factor->add_to_last(
+      sign.cwiseProduct(force(self.rows_of_condensed) - self.borne_by_condensed() +
+                        self.springs.cwiseProduct(displacement(self.rows_of_condensed))),
+      forward);
   const Eigen::VectorXd solution = self.factor->backward(forward);
   self.step.reinit(self.dofs.n_dofs());
   for (Dof i = 0; i < self.dofs.n_dofs(); ++i)

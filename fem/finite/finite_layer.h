@@ -93,7 +93,9 @@ class FiniteLayer {
   /// positive definite; 0 where it was so by itself, with the surface nodes held.
   double shift() const;
 
-  /// Call after `linearise`. The response of the displacements that it was condensed to.
+  /// Call after `linearise`. The response of the displacements that it was condensed to: of each
+  /// surface node along its normal, or three along the axes of its frame. Those that a mirror plane
+  /// fixes have zero rows.
   SurfaceResponse surface_response() const;
   /// The force of that response alone.
   Eigen::VectorXd surface_force() const;

@@ -251,6 +251,26 @@ void FinitePressing::describe(Equilibrium& equilibrium) const {
   equilibrium.moment_b = axes.y();
 }
 
+void FinitePressing::take_over(const Eigen::Matrix3Xd& force, double approach,
+                               double out_of_balance) {
+  const std::vector<Touch> touching = touches();
+  equilibrium_.approach = approach;
+  equilibrium_.out_of_balance = out_of_balance;
+  equilibrium_.active = 0;
+  for (std::size_t i = 0; i < touching.size(); ++i) {
+    const auto of_node = force.col(static_cast<Index>(i));
+    const bool touches = of_node.z() > 0;
+    equilibrium_.active += touches;
+    // Friction on an inclined surface bears a part of the load, or adds to it.
+    const double friction =
+        surface_frame(touching[i].normal).row(2).head<2>().dot(of_node.head<2>());
+    equilibrium_.force[static_cast<Index>(i)] =
+        touches ? of_node.z() / touching[i].secant - friction : 0;
+  }
+  describe(equilibrium_);
+  equilibrium_.normal_force = force.row(2).transpose();
+}
+
 void FinitePressing::continue_from(const FinitePressing& other) {
   layer_->continue_from(*other.layer_);
   equilibrium_.approach = other.equilibrium_.approach;

@@ -84,6 +84,10 @@ class FinitePressing {
   /// @pre not pressed
   void continue_from(const FinitePressing& other);
 
+  /// Takes over an equilibrium with friction, in which the layer is.
+  /// @param force  per node: along the tangents of its frame, and into the layer
+  void take_over(const Eigen::Matrix3Xd& force, double approach, double out_of_balance);
+
   const Equilibrium& equilibrium() const { return equilibrium_; }
   const PressingHistory& history() const { return history_; }
   const FiniteLayer& layer() const { return *layer_; }

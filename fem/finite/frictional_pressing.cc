@@ -24,6 +24,8 @@ namespace {
 /// Tolerance of Newton's step, relative to the approach. What a slide misses no later one inherits:
 /// it changes their wrenches by less than 3e-4.
 constexpr double of_increments = 5e-4, of_slides = 2e-3;
+/// Increments of the load are extrapolated, which doubles what each misses.
+constexpr double of_pressing = 1e-4;
 
 Eigen::Rotation2Dd rotation(const PlaneMotion& motion) {
   return Eigen::Rotation2Dd(motion.turn_rad);
@@ -97,13 +99,20 @@ struct FrictionalPressing::Tangent {
   bool set(const Eigen::MatrixXd& of_surface) {
     tangential.clear();
     normal.clear();
+    std::vector<Index> movable;  // of the tangential rows: a mirror plane fixes some
     for (Index i = 0; i < of_surface.rows() / 3; ++i) {
-      tangential.push_back(3 * i);
-      tangential.push_back(3 * i + 1);
+      for (const Index row : {3 * i, 3 * i + 1}) {
+        if (of_surface(row, row) != 0) movable.push_back(static_cast<Index>(tangential.size()));
+        tangential.push_back(row);
+      }
       normal.push_back(3 * i + 2);
     }
-    compliance = inverse_of_positive_definite(of_surface(tangential, tangential));
-    if (compliance.size() == 0) return false;
+    compliance = of_surface(tangential, tangential);
+    const Eigen::MatrixXd of_movable =
+        inverse_of_positive_definite(compliance(movable, movable).eval());
+    if (of_movable.size() == 0) return false;
+    compliance.setZero();
+    compliance(movable, movable) = of_movable;
     by_normal = of_surface(tangential, normal);
     lift = by_normal.transpose() * compliance;
     stiffness = of_surface(normal, normal) - lift * by_normal;
@@ -116,7 +125,7 @@ FrictionalPressing::FrictionalPressing(const FinitePressing& pressed, FrictionBo
     : layer_(pressed.shared_layer()),
       object_(pressed.object()),
       offset_(pressed.offset()),
-      load_(pressed.equilibrium().load),
+      drive_{pressed.equilibrium().load / pressed.copies(), 0},
       bound_(std::move(bound)),
       has_room_(has_room),
       pressed_state_(layer_->state()),
@@ -219,12 +228,12 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub, d
     const std::vector<Touch> touching = touches();
     std::vector<NodeFrame> frames;
     for (const Touch& touch : touching) frames.push_back(touch.frame);
+    const double balance = renew ? layer_->linearise(frames, force_, Along::all)
+                                 : layer_->update_residual(frames, force_);
+    out_of_balance_ = balance / std::max(1e-300, force_.row(2).maxCoeff());
     if (renew) {
-      layer_->linearise(frames, force_, Along::all);
       ++factorisations_;
       ++renewed;
-    } else {
-      layer_->update_residual(frames, force_);
     }
     if (renew) {
       history.clear();
@@ -331,7 +340,10 @@ FrictionalPressing::SurfaceStep FrictionalPressing::settle_surface(
   for (int turn = 0; turn < most_turns && !result.is_settled; ++turn) {
     response.force = cosine.cwiseProduct(rest_n - tangent.lift * (friction + rest_t));
     const TangentContact contact =
-        solve_tangent_contact(response, gap, load_ + up.dot(friction), 0, along_load, &released);
+        drive_.approach > 0
+            ? solve_tangent_contact(response, gap, 0, drive_.approach, along_load, &released)
+            : solve_tangent_contact(response, gap, drive_.load + up.dot(friction), 0, along_load,
+                                    &released);
     along_load = contact.force;
     result.approach = contact.approach;
     normal_force = along_load.cwiseQuotient(cosine);
@@ -373,11 +385,46 @@ FrictionalPressing::State FrictionalPressing::present() const {
   return {layer_->state(), force_, approach_};
 }
 
-void FrictionalPressing::move_to(const PlaneMotion& motion) {
-  const Rub rub = [this](const Rubbed& at, Eigen::VectorXd& friction) {
+FrictionalPressing::Rub FrictionalPressing::rub_by_coulomb() {
+  return [this](const Rubbed& at, Eigen::VectorXd& friction) {
     solve_friction(tangent_->compliance, bound_.of(at.normal_force), at.target, friction,
                    &tangent_->stick_slip);
   };
+}
+
+void FrictionalPressing::press_to(const Drive& drive) {
+  const Rub rub = rub_by_coulomb();
+  slide_.reset();
+  // An approach comes first where the contact was pressed to a load.
+  if (drive.approach > 0 && drive_.approach == 0) drive_ = {0, approach_};
+  const Drive start = drive_;
+  const Drive end{drive.load / layer_->planes().images(), drive.approach};
+  double length = 1;
+  const double reached = advance(length, 1.0 / 8, 1, [&](double share, bool) {
+    drive_ = {start.load + share * (end.load - start.load),
+              start.approach + share * (end.approach - start.approach)};
+    return try_motion(motion_, rub, of_pressing);
+  });
+  if (reached < 1)
+    throw ConvergenceError("pressing with friction at finite strain", iterations_, reached,
+                           failure_);
+}
+
+Eigen::Matrix3Xd FrictionalPressing::places() const {
+  return carried(kept_position_, kept_motion_, {}, -kept_approach_);
+}
+
+void FrictionalPressing::settle_at(const Eigen::Matrix3Xd& places) {
+  slide_.reset();
+  kept_position_ = carried(places, {}, kept_motion_, kept_approach_);
+  if (!try_motion(motion_, rub_by_coulomb(), of_pressing))
+    throw ConvergenceError("pressed contact with friction at finite strain", iterations_,
+                           out_of_balance_, failure_);
+  keep();
+}
+
+void FrictionalPressing::move_to(const PlaneMotion& motion) {
+  const Rub rub = rub_by_coulomb();
   // The slip law holds at an increment's end: a node that begins to slip within a longer turn would
   // be taken to stick.
   constexpr double longest_turn_rad = 0.5;

@@ -19,8 +19,9 @@ namespace softfinger::fem::finite {
 /// Coulomb friction on a contact at finite strain, solved: the layer is in equilibrium, where it
 /// lies deformed, with normal forces and friction; in units of h and E.
 ///
-/// The contact is pressed without friction; from then on friction resists motions of the object,
-/// at constant load and without tilt. A node that sticks stays at its place on the moving object.
+/// The contact starts as it was pressed without friction; from then on friction resists motions of
+/// the object, at constant load and without tilt, and more load (`press_to`). A node that sticks
+/// stays at its place on the moving object.
 /// One that slips carries the bound of its N in the tangent plane at its present place, against the
 /// slip since the last increment. Pressure, touching nodes and friction change together.
 ///
@@ -29,9 +30,9 @@ namespace softfinger::fem::finite {
 /// turn.
 class FrictionalPressing {
  public:
-  /// @param pressed   of a whole layer, in its equilibrium; friction takes its layer over, and
-  /// gives
-  ///                  it back as it was
+  /// @param pressed   in its equilibrium; friction takes its layer over, and gives it back as it
+  ///                  was. Motions are those of a whole layer; a layer with mirror planes can only
+  ///                  be pressed
   /// @param has_room  whether a larger patch can be meshed: a motion that needs one then ends with
   ///                  EdgeLeftMargin, otherwise with the last state within the patch
   FrictionalPressing(const FinitePressing& pressed, FrictionBound bound, bool has_room = false);
@@ -51,6 +52,19 @@ class FrictionalPressing {
   /// increment with the slip law at its end, or in shorter ones where that does not converge.
   /// @throws ConvergenceError; the state is then the last one that converged
   void move_to(const PlaneMotion& motion);
+
+  /// Presses the object where it is to this load or approach in one increment, or in shorter ones
+  /// where that does not converge. A node that touches keeps its place on the object while it
+  /// sticks.
+  /// @throws ConvergenceError; the state is then the last one that converged
+  void press_to(const Drive& drive);
+
+  /// The places on the object where the nodes stick, or slipped to in the last increment: what the
+  /// contact remembers of its way.
+  Eigen::Matrix3Xd places() const;
+  /// Solves the contact anew as if its way had led to these places.
+  /// @throws ConvergenceError
+  void settle_at(const Eigen::Matrix3Xd& places);
 
   /// Slides from where the contact was pressed with the given velocity until every point slips. The
   /// object stays where it is. Friction is raised from none, or the slide starts from what those
@@ -75,6 +89,9 @@ class FrictionalPressing {
   FrictionWrench wrench() const;
   /// Share of the touching area that slips, 0 to 1.
   double slip_fraction() const;
+  /// The largest nodal force out of balance before the last of Newton's steps over the largest
+  /// contact force.
+  double out_of_balance() const { return out_of_balance_; }
   ShearedContact sheared() const;
   /// The deformed surface. Slip counts since the contact was pressed.
   RubbedSurface surface() const;
@@ -110,6 +127,7 @@ class FrictionalPressing {
 
   std::vector<Touch> touches() const;
   Eigen::VectorXd stuck_target(const std::vector<Touch>& touching, double approach) const;
+  Rub rub_by_coulomb();
   bool try_motion(const PlaneMotion& motion, const Rub& rub, double tolerance);
   SurfaceStep step_of_surface(const std::vector<Touch>& touching, const Eigen::VectorXd& rest,
                               const Rub& rub);
@@ -137,7 +155,8 @@ class FrictionalPressing {
 
   std::shared_ptr<FiniteLayer> layer_;
   std::shared_ptr<const RigidObject> object_;
-  const double offset_, load_;
+  const double offset_;
+  Drive drive_;                ///< of what is meshed
   const FrictionBound bound_;  ///< per node
   const bool has_room_;
   const std::shared_ptr<const FiniteLayer::State> pressed_state_;
@@ -150,6 +169,7 @@ class FrictionalPressing {
   // Present:
   Eigen::Matrix3Xd force_;  ///< per node: along the tangents of its frame, and into the layer
   double approach_ = 0;
+  double out_of_balance_ = 0;
   PlaneMotion motion_;
   // State at the end of the last increment:
   std::shared_ptr<const FiniteLayer::State> kept_state_;

@@ -188,12 +188,13 @@ std::vector<Index> rows_of(const std::vector<Index>& points) {
   return rows;
 }
 
-/// Makes sure that what is kept has all points with a limit that can move.
+/// Makes sure that what is kept has all points with a limit that can move. A component that is
+/// fixed gets a compliance of its own: with no target it bears no force.
 void cover(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit, StickSlipFactor& kept) {
-  const double largest = compliance.diagonal().maxCoeff();
+  const double largest = compliance.diagonal().maxCoeff(), least = 1e-12 * largest;
   std::vector<Index> movable, all;
   for (Index i = 0; i < limit.size(); ++i)
-    if (limit[i] > 0 && compliance.diagonal().segment<2>(2 * i).minCoeff() > 1e-12 * largest)
+    if (limit[i] > 0 && compliance.diagonal().segment<2>(2 * i).maxCoeff() > least)
       movable.push_back(i);
   std::set_union(kept.points.begin(), kept.points.end(), movable.begin(), movable.end(),
                  std::back_inserter(all));
@@ -201,6 +202,12 @@ void cover(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& limit, Stic
   kept.points = std::move(all);
   const std::vector<Index> rows = rows_of(kept.points);
   kept.compliance = compliance(rows, rows);
+  kept.fixed.clear();
+  for (Index row = 0; row < kept.compliance.rows(); ++row)
+    if (kept.compliance(row, row) <= least) {
+      kept.compliance(row, row) = largest;
+      kept.fixed.push_back(row);
+    }
   kept.movable.clear();
 }
 
@@ -243,8 +250,11 @@ FrictionSolution solve_friction(const Eigen::MatrixXd& compliance, const Eigen::
     return {};
   }
   const std::vector<Index> rows = rows_of(factor.points);
-  const Eigen::VectorXd limit_of_points = limit(factor.points), target_of_points = target(rows);
+  const Eigen::VectorXd limit_of_points = limit(factor.points);
+  Eigen::VectorXd target_of_points = target(rows);
+  target_of_points(factor.fixed).setZero();
   Eigen::VectorXd force_of_points = force(rows);
+  force_of_points(factor.fixed).setZero();
   FrictionProblem problem(factor.compliance, limit_of_points, target_of_points, force_of_points);
   const FrictionSolution solution =
       solve(problem, target.cwiseAbs().maxCoeff(), tolerance, factor, kept == nullptr);

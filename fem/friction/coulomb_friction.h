@@ -23,6 +23,7 @@ constexpr double friction_tolerance = 1e-9;
 struct StickSlipFactor {
   std::vector<Eigen::Index> points;  ///< that have had a limit; the following are among these
   Eigen::MatrixXd compliance;
+  std::vector<Eigen::Index> fixed;    ///< rows of it that cannot move, on mirror planes
   std::vector<Eigen::Index> movable;  ///< points with a limit
   std::vector<bool> slips;            ///< per point
   /// Lower triangle. A step of Newton's method need not be exact: single precision.
@@ -35,7 +36,7 @@ struct StickSlipFactor {
 /// forces and the directions of the slipping ones makes it exact. Any consistent units.
 ///
 /// @param compliance  symmetric positive definite on points that can move, 2n x 2n, blocks x, y;
-///                    zero rows for points that cannot
+///                    zero rows for components that cannot: they bear no force
 /// @param limit       n, >= 0
 /// @param target      2n: displacement that full stick would need
 /// @param force       2n: first guess and result

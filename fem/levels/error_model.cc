@@ -119,6 +119,10 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
                        cells_away(fine, setting.thickness_m, setting.layered, table.cells_away) +
                        of_wall(&WallChange::indentation);
   result.load = error(&LevelResult::load_N, integral) + of_wall(&WallChange::load);
+  if (setting.rubbed) {
+    result.indentation += missed_by_load_steps;
+    result.load += load_per_approach * missed_by_load_steps;
+  }
   result.max_torque =
       error(&LevelResult::max_torque_Nm, table.integral) + of_wall(&WallChange::max_torque);
   if (setting.is_scan) {

@@ -51,10 +51,11 @@ void check_load(const Problem& problem) {
   if (law.kind != ShearLaw::Kind::coulomb)
     throw InputError(problem.name, "pressing", pressing,
                      formatted("\"frictionless\" where the shear law is \"%s\"", law.name()));
-  if (problem.finite_strain)
-    throw InputError(problem.name, "pressing", pressing,
-                     "\"frictionless\" at finite strain; linear elasticity knows friction while it "
-                     "presses");
+  if (problem.finite_strain && problem.friction.torsion)
+    throw InputError(problem.name, "friction.torsion", "true",
+                     formatted("false with pressing = \"%s\" at finite strain: a twist is solved "
+                               "from frictionless pressing there, whose largest torque is the same",
+                               pressing));
 }
 
 void check_radii(const Problem& problem) {

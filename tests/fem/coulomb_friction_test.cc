@@ -133,5 +133,18 @@ TEST(CoulombFriction, HasNoForceWhereNothingPresses) {
   EXPECT_EQ(force.segment<2>(4).norm(), 0);
 }
 
+TEST(CoulombFriction, LeavesAComponentThatAMirrorFixesWithoutForce) {
+  Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(2, 2);
+  compliance(0, 0) = 2;
+  const Eigen::Vector2d target(1, 0.3);
+  Eigen::VectorXd force = Eigen::Vector2d(0.1, 0.1);
+  solve_friction(compliance, Eigen::VectorXd::Constant(1, 10), target, force);
+  EXPECT_DOUBLE_EQ(force[0], 0.5);
+  EXPECT_EQ(force[1], 0);
+  solve_friction(compliance, Eigen::VectorXd::Constant(1, 0.2), target, force);
+  EXPECT_DOUBLE_EQ(force[0], 0.2);
+  EXPECT_EQ(force[1], 0);
+}
+
 }  // namespace
 }  // namespace softfinger::fem
