@@ -23,7 +23,7 @@ struct AtlasOptions {
   int jobs = suite::default_job_count(), random = 0;
   unsigned seed = 1;
   bool json = false, models_only = false, finite_strain = false, fingers = false,
-       fingertips = false;
+       fingertips = false, rubbed = false;
   reference::FemLimits fem_limits;
 };
 
@@ -158,6 +158,7 @@ int run_atlas(const AtlasOptions& options) {
   settings.fem_limits = options.fem_limits;
   const auto [atlas, signal] = judgement::make_atlas(
       options.fingers         ? judgement::random_fingers(options.random, options.seed)
+      : options.rubbed        ? judgement::random_rubbed_fingertips(options.random, options.seed)
       : options.fingertips    ? judgement::random_fingertips(options.random, options.seed)
       : options.random > 0    ? judgement::random_runs(options.random, options.seed)
       : options.finite_strain ? judgement::finite_strain_runs()
@@ -219,6 +220,10 @@ void add_atlas(CLI::App& app, Action& action, const std::string& command_line) {
                  "of the random contacts: the same, but drawn by the radii of finger and object, "
                  "which is turned against the finger and may be hollow")
       ->needs(random);
+  command
+      ->add_flag("--rubbed", options->rubbed,
+                 "of the fingertips: pressed with friction from the first touch, mu 0.05 to 1.5")
+      ->needs("--fingertips");
   command
       ->add_option("--fit", options->fit,
                    "FILE.csv of --fingers: writes the table of the bounds against whole fingers to "

@@ -360,15 +360,6 @@ void read_pressing(const TomlReader& reader, const toml::table& table, Case& res
     reader.refuse(*pressing, "pressing", "\"frictionless\" with relaxation or history");
 }
 
-/// Friction while it is pressed is known in linear elasticity only.
-void require_linear_pressing(const TomlReader& reader, const toml::table& root,
-                             const Case& contact_case) {
-  if (contact_case.pressing == PressingFriction::none || !contact_case.fem_finite) return;
-  reader.refuse(*root["contact"]["pressing"].node(), "pressing",
-                "\"frictionless\" with [fem] kinematics = \"finite\"; finite elements press with "
-                "friction in linear elasticity only");
-}
-
 void read_fem(const TomlReader& reader, const toml::node& node, Case& result) {
   if (!node.is_table()) reader.refuse(node, "fem", "a table");
   const toml::table& table = *node.as_table();
@@ -565,7 +556,6 @@ Case case_of(const toml::table& typed, const std::string& text, const fs::path& 
       core && result.fem_geometry_typed && !result.fem_curved)
     reader.say(*core.node(),
                "finger.core needs [fem] geometry = \"curved\": a flat layer has none");
-  require_linear_pressing(reader, root, result);
   read_materials(reader, root, result);
   settle_finger_shape(result);
   result.remarks = unusual_values(result);

@@ -95,7 +95,6 @@ std::optional<Ladder> make_ladder(const Comparison& comparison,
   if (!comparison.reference) return std::nullopt;
   const reference::ReferenceResult& reference = *comparison.reference;
   const input::Case& contact_case = *comparison.contact_case;
-  const bool is_rubbed = contact_case.pressing != PressingFriction::none;
   Ladder ladder;
   if (const ModelComparison* closed = nearest_closed_form(comparison))
     ladder.steps.push_back({"closed_form", label(std::string(name_of(*closed))) + " in closed form",
@@ -104,13 +103,18 @@ std::optional<Ladder> make_ladder(const Comparison& comparison,
     ladder.steps.push_back(
         {"layer_flat_linear", label("bonded_layer"), numbers_of(*layer->errors)});
   if (idealised.flat_linear)
-    ladder.steps.push_back({is_rubbed ? "fem_frictionless" : "fem_flat_linear",
-                            is_rubbed ? "a flat layer in linear theory, pressed without friction"
-                                      : "a flat layer in linear theory",
+    ladder.steps.push_back({"fem_flat_linear", "a flat layer in linear theory",
                             departure(*idealised.flat_linear, reference)});
   if (idealised.flat_finite)
     ladder.steps.push_back({"fem_flat_finite", "a flat layer at finite strain",
                             departure(*idealised.flat_finite, reference)});
+  if (idealised.frictionless) {
+    input::Case frictionless = contact_case;
+    frictionless.pressing = PressingFriction::none;
+    ladder.steps.push_back({"fem_frictionless",
+                            reference_in_words(frictionless) + ", pressed without friction",
+                            departure(*idealised.frictionless, reference)});
+  }
   ladder.steps.push_back({contact_case.fem_curved   ? "fem_finger_finite"
                           : contact_case.fem_finite ? "fem_flat_finite"
                                                     : "fem_flat_linear",

@@ -34,4 +34,16 @@ constexpr std::array<RubbedReference, 15> kRubbedReferences{{
     {0.49, 3.0, kAllSticks, 147.977, 2.83021, 3.42821, 12.5259, 1.50671},
 }};
 
+/// A rigid sphere of R = 5 h on a neo-Hookean layer of nu = 0.49 that sticks, units h = E* = 1, at
+/// the load P with which the frictionless contact has its arm: an independent axisymmetric
+/// solution, whose work is its energy to 1.3e-4.
+struct StuckAtFiniteStrain {
+  double load, a, indentation, arm, frictionless_arm;
+};
+constexpr std::array<StuckAtFiniteStrain, 3> kStuckAtFiniteStrain{{
+    {0.283169, 0.91369, 0.097405, 0.524409, 0.54316},
+    {2.08887, 1.49959, 0.229188, 0.813085, 0.910752},
+    {6.23923, 1.89956, 0.350662, 0.992981, 1.18119},
+}};
+
 }  // namespace softfinger

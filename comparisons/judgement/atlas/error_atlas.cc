@@ -15,6 +15,7 @@
 #include "comparisons/system/program_paths.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -57,7 +58,7 @@ double contact_size(const ContactProblem& problem) {
 
 bool is_finite_strain(AtlasKind kind) {
   return kind == AtlasKind::finite_sphere || kind == AtlasKind::finite_curved ||
-         kind == AtlasKind::finite_pad || kind == AtlasKind::finger;
+         kind == AtlasKind::finite_pad || is_finger(kind);
 }
 
 bool has_own_radius(const AtlasRun& run) {
@@ -73,7 +74,7 @@ ContactProblem problem_of(const AtlasRun& run) {
   const double radius_m =
       has_own_radius(run) ? 1 / run.thickness_over_radius : 1e3 * std::max(1., run.s);
   problem.radii = {radius_m * std::sqrt(run.radii_ratio), radius_m / std::sqrt(run.radii_ratio), 0};
-  if (run.kind == AtlasKind::finger)
+  if (is_finger(run.kind))
     problem.finger_curvature = {
         run.finger_share_x / problem.radii.major_m, run.finger_share_y / problem.radii.minor_m,
         run.finger_share_xy / std::sqrt(problem.radii.major_m * problem.radii.minor_m)};
@@ -100,11 +101,15 @@ QuantityErrors model_errors(const PressureModel& model, const AtlasRun& run,
   errors.fill(kNaN);
   const Prediction found = model.predict(problem);
   if (!found.has_answer) return errors;
-  const QuantityErrors answer = {found.a_m,
-                                 found.b_m,
-                                 found.indentation_m,
-                                 found.area_m2(),
-                                 found.peak_pressure_Pa,
+  // The largest torque is that of frictionless pressing.
+  const Prediction pressed = run.kind == AtlasKind::rubbed_finger && knows_pressing_friction(model)
+                                 ? rubbed(found, problem, run.friction_coefficient)
+                                 : found;
+  const QuantityErrors answer = {pressed.a_m,
+                                 pressed.b_m,
+                                 pressed.indentation_m,
+                                 pressed.area_m2(),
+                                 pressed.peak_pressure_Pa,
                                  found.torque_arm_exact_m};
   for (std::size_t q = 0; q < kQuantities; ++q) errors[q] = answer[q] / run.answer[q] - 1;
   return errors;

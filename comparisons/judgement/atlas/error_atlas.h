@@ -33,13 +33,17 @@ enum class AtlasKind {
   linear_sphere,  ///< the contacts of the three above, linear
   linear_curved,
   linear_pad,
-  finger  ///< a finger and an object, both curved, at finite strain
+  finger,        ///< a finger and an object, both curved, at finite strain
+  rubbed_finger  ///< the same, pressed with friction from the first touch
 };
-constexpr std::array<const char*, 10> kAtlasKindNames = {
-    "flat",       "curved",        "friction",      "finite_sphere", "finite_curved",
-    "finite_pad", "linear_sphere", "linear_curved", "linear_pad",    "finger"};
+constexpr std::array<const char*, 11> kAtlasKindNames = {
+    "flat",          "curved",        "friction",   "finite_sphere", "finite_curved", "finite_pad",
+    "linear_sphere", "linear_curved", "linear_pad", "finger",        "rubbed_finger"};
 inline const char* name_of(AtlasKind kind) { return kAtlasKindNames[std::size_t(kind)]; }
 bool is_finite_strain(AtlasKind kind);
+inline bool is_finger(AtlasKind kind) {
+  return kind == AtlasKind::finger || kind == AtlasKind::rubbed_finger;
+}
 
 /// A run of the finite elements. A contact on a flat layer depends on three numbers only: nu,
 /// R'/R'' and s = sqrt(ab)/h. s is computed by the model bonded_layer.

@@ -33,7 +33,7 @@ std::string name_of(const AtlasRun& run) {
   std::string name =
       fmt::format("{}_nu{:g}_ratio{:g}_s{:g}_hR{:g}_mu{:g}", name_of(run.kind), run.poisson_ratio,
                   run.radii_ratio, run.s, run.thickness_over_radius, run.friction_coefficient);
-  if (run.kind == AtlasKind::finger)
+  if (is_finger(run.kind))
     name += fmt::format("_share{:g}_{:g}_{:g}", run.finger_share_x, run.finger_share_y,
                         run.finger_share_xy);
   return name;
@@ -99,6 +99,7 @@ reference::FemProblem fem_problem_of(const AtlasRun& run) {
   problem.load_N = load_of(unit, scale);
   problem.shear_law = ShearLaw::coulomb(unit.load.friction_coefficient);
   if (is_finite_strain(run.kind)) problem.finite_strain.emplace();
+  if (run.kind == AtlasKind::rubbed_finger) problem.pressing = PressingFriction::coulomb;
   const double radius_m = kThickness_m / run.thickness_over_radius;
   if (is_on_sphere(run)) problem.sphere_radius_m = radius_m;
   if (is_on_curved_layer(run)) {
@@ -106,7 +107,7 @@ reference::FemProblem fem_problem_of(const AtlasRun& run) {
     const input::QuadricBody plane{kInfinity, kInfinity, input::FingerShape::paraboloid, 0};
     problem.bodies = {{finger, 0}, {plane, 0}};
   }
-  if (run.kind == AtlasKind::finger) problem.bodies = bodies_of(run, problem.radii);
+  if (is_finger(run.kind)) problem.bodies = bodies_of(run, problem.radii);
   if (run.kind == AtlasKind::friction) problem.friction.emplace().torsion = true;
   return problem;
 }
@@ -346,6 +347,16 @@ std::vector<AtlasRun> random_fingertips(int count, unsigned seed) {
   return runs;
 }
 
+std::vector<AtlasRun> random_rubbed_fingertips(int count, unsigned seed) {
+  std::vector<AtlasRun> runs = random_fingertips(count, seed);
+  Draws draws(seed);
+  for (AtlasRun& run : runs) {
+    run.kind = AtlasKind::rubbed_finger;
+    run.friction_coefficient = draws.logarithmic(0.05, 1.5);
+  }
+  return runs;
+}
+
 std::vector<AtlasRun> random_runs(int count, unsigned seed) {
   Draws draws(seed);
   std::vector<AtlasRun> runs;
@@ -435,7 +446,7 @@ namespace {
 
 /// The kind of the same contacts in linear elasticity.
 std::optional<AtlasKind> linear_counterpart(AtlasKind kind) {
-  if (kind == AtlasKind::finger) return std::nullopt;
+  if (is_finger(kind)) return std::nullopt;
   if (kind == AtlasKind::finite_sphere) return AtlasKind::linear_sphere;
   return kind == AtlasKind::finite_curved ? AtlasKind::linear_curved : AtlasKind::linear_pad;
 }

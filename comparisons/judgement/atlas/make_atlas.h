@@ -33,6 +33,10 @@ std::vector<AtlasRun> random_fingers(int count, unsigned seed);
 /// to 0.5. The same seed gives the same contacts.
 std::vector<AtlasRun> random_fingertips(int count, unsigned seed);
 
+/// Fingertips of `random_fingertips`, pressed with friction: mu from 0.05 to 1.5, even in its
+/// logarithm.
+std::vector<AtlasRun> random_rubbed_fingertips(int count, unsigned seed);
+
 struct AtlasOptions {
   std::filesystem::path folder;  ///< keeps finished runs, so that the same command continues
   int jobs = 1;
