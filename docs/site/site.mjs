@@ -18,7 +18,7 @@ const [checkout, output, program, tags] = process.argv.slice(2);
 const read = (file) => fs.readFileSync(path.join(checkout, file), "utf8");
 const SIGNS = { amp: "&", lt: "<", gt: ">", quot: '"', "#39": "'" };
 const unescape = (html) => html.replace(/&(amp|lt|gt|quot|#39);/g, (_, name) => SIGNS[name]);
-const text = (html) => unescape(html.replace(/<\/(td|th|li|p|tr)>/g, " ").replace(/<[^>]*>/g, "")).replace(/\s+/g, " ");
+const text = (html) => unescape(html.replace(/<math[^>]*alttext="([^"]*)">.*?<\/math>/g, "$1").replace(/<\/(td|th|li|p|tr)>/g, " ").replace(/<[^>]*>/g, "")).replace(/\s+/g, " ");
 
 function fail(message) {
   console.error(`site: ${message}`);

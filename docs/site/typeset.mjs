@@ -277,7 +277,9 @@ class Reader {
     if (this.at <= start || parts.length === 0 || !this.hasSymbol) return null;
     if (!this.strong && !this.stacked) return null;
     const style = this.stacked ? ' displaystyle="true"' : "";
-    return { markup: `<math${style}>${row(parts.map((part) => part.markup))}</math>`, end: this.at };
+    const plain = this.list.slice(start, this.at).map((token) => token.text).join("");
+    const markup = `<math${style} alttext="${escapeHtml(plain)}">${row(parts.map((part) => part.markup))}</math>`;
+    return { markup, end: this.at };
   }
 }
 
