@@ -193,6 +193,7 @@ function navigation() {
   return groups.filter((group) => group.rows.length);
 }
 
+if (program && !fs.existsSync(program)) fail(`${program}: there is no such program`);
 const groups = navigation();
 // Half of its reports are about finite elements.
 const hasGallery = Boolean(program) && fs.existsSync(path.join(path.dirname(program), "softfinger-fem"));
@@ -276,7 +277,10 @@ function gallery() {
 
 /// The explorer as the first page, with the way to all others.
 function explorer() {
-  if (program && run(["explore", "--quiet", "--output", "index.html"], output).status === 0) {
+  const status = program && run(["explore", "--quiet", "--output", "index.html"], output).status;
+  // Status 2: the program was built without the explorer, and has said so.
+  if (program && ![0, 2].includes(status)) fail(`softfinger explore ends with ${status}`);
+  if (status === 0) {
     const page = fs.readFileSync(path.join(output, "index.html"), "utf8");
     write("index.html", page.replace("<main>", `<main>\n<nav aria-label="Site" style="margin: 0 0 1.4rem">${links("index.html")}</nav>`));
     return;
