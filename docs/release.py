@@ -1,9 +1,11 @@
-"""Puts a release into one folder: Debian packages, the wheel, the site, the list of changes and checksums.
+#!/usr/bin/env python3
+"""Puts a release into one folder, build/release/softfinger-VERSION: Debian packages, the wheel, the site, the list of
+changes and checksums. VERSION is project(VERSION) of CMakeLists.txt.
 
-usage: release.py VERSION CHANGES                  checks that the list of changes has a section for the version
-       release.py VERSION CHANGES BUILD CPACK SITE  and makes BUILD/softfinger-VERSION of a finished build
+usage: docs/release.py [BUILD]                     a configured build; default: build/release
+       docs/release.py --check VERSION CHANGES     only whether a list of changes has a section for the version
 
-The target `release` runs it, first to check, because all else takes minutes.
+That is checked first, because all else takes minutes.
 """
 
 import hashlib
@@ -12,6 +14,8 @@ import re
 import shutil
 import subprocess
 import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
 
 
 def check_changes(version, changes):
@@ -28,23 +32,25 @@ def check_changes(version, changes):
 
 
 def run(*command):
-    done = subprocess.run([str(word) for word in command], text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                          check=False)
-    if done.returncode != 0:
-        sys.exit(f"no release: {' '.join(map(str, command))} ends with {done.returncode}:\n{done.stdout}")
+    status = subprocess.run([str(word) for word in command], check=False).returncode
+    if status != 0:
+        sys.exit(f"no release: {' '.join(map(str, command))} ends with {status}")
 
 
-def make_release(version, changes, build, cpack, site):
-    checkout = changes.parents[1]
+def make_release(version, changes, build):
+    if not (build / "CMakeCache.txt").is_file():
+        sys.exit(f"no release: {build} is no configured build; `cmake --preset release` makes build/release")
+    run("cmake", "--build", build, "--target", "all", "softfinger_python", "docs")
     folder = build / f"softfinger-{version}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
-    run(cpack, "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", folder)
+    run("cpack", "--config", build / "CPackConfig.cmake", "-G", "DEB", "-B", folder)
     shutil.rmtree(folder / "_CPack_Packages")
-    run(sys.executable, "-m", "pip", "--disable-pip-version-check", "wheel", "--no-index", "--no-build-isolation",
-        "--no-deps", "--wheel-dir", folder, checkout / "analytic" / "python")
-    shutil.copytree(site, folder / "site")
-    for file in (changes, checkout / "LICENSE"):
+    # The system's interpreter has pybind11 and numpy; another one may be the first in the PATH.
+    run("/usr/bin/python3", "-m", "pip", "--disable-pip-version-check", "--quiet", "wheel", "--no-index",
+        "--no-build-isolation", "--no-deps", "--wheel-dir", folder, ROOT / "analytic" / "python")
+    shutil.copytree(build / "docs" / "html", folder / "site")
+    for file in (changes, ROOT / "LICENSE"):
         shutil.copy(file, folder)
     packages = sorted([*folder.glob("*.deb"), *folder.glob("*.whl")])
     for package in packages:
@@ -56,11 +62,16 @@ def make_release(version, changes, build, cpack, site):
 
 
 def main():
-    version, *paths = sys.argv[1:]
-    changes, *others = (pathlib.Path(path).resolve() for path in paths)
-    check_changes(version, changes)
-    if others:
-        make_release(version, changes, *others)
+    arguments = sys.argv[1:]
+    if arguments[:1] == ["--check"] and len(arguments) == 3:
+        check_changes(arguments[1], pathlib.Path(arguments[2]))
+    elif len(arguments) > 1 or "".join(arguments).startswith("-"):
+        sys.exit(__doc__)
+    else:
+        version = re.search(r"project\(softfinger VERSION ([0-9.]+)", (ROOT / "CMakeLists.txt").read_text())[1]
+        changes = ROOT / ".github" / "CHANGELOG.md"
+        check_changes(version, changes)
+        make_release(version, changes, pathlib.Path(*arguments or [ROOT / "build" / "release"]).resolve())
 
 
 if __name__ == "__main__":
