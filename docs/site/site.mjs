@@ -255,20 +255,25 @@ function listing(file) {
 
 const run = (words, folder) => spawnSync(program, words, { cwd: folder, stdio: ["ignore", "ignore", "inherit"] });
 
-/// Runs the gallery's commands anew where the program or the list is newer than a report.
+/// Runs the gallery's commands anew, all of them, where the program or the list is newer than a report.
 function gallery() {
-  const list = path.join(own, "gallery.json");
-  const newest = Math.max(fs.statSync(program).mtimeMs, fs.statSync(list).mtimeMs);
-  const cards = JSON.parse(fs.readFileSync(list, "utf8")).map(({ question, command, page, file }) => {
-    const folder = path.join(output, "gallery"), result = path.join(folder, page);
-    fs.mkdirSync(folder, { recursive: true });
-    if (!fs.existsSync(result) || fs.statSync(result).mtimeMs < newest) {
+  const list = path.join(own, "gallery.json"), folder = path.join(output, "gallery");
+  const reports = JSON.parse(fs.readFileSync(list, "utf8"));
+  const time = (file) => fs.statSync(file, { throwIfNoEntry: false })?.mtimeMs ?? 0;
+  const newest = Math.max(time(program), time(list));
+  const isOld = reports.some(({ page }) => time(path.join(folder, page)) < newest);
+  if (isOld) {
+    fs.rmSync(folder, { recursive: true, force: true });
+    fs.mkdirSync(folder);
+  }
+  const cards = reports.map(({ question, command, page, file }) => {
+    if (isOld) {
       console.log(`softfinger ${command}`);
       // A report names the file that it reads: one beside it has no folder of this machine in its name.
       if (file) fs.copyFileSync(path.join(checkout, file), path.join(folder, path.basename(file)));
       // Status 1 is an answer, too: a comparison that fell short.
       const { status } = run(command.split(" "), folder);
-      if (![0, 1].includes(status) || !fs.existsSync(result)) fail(`softfinger ${command} ends with ${status} and without ${page}`);
+      if (![0, 1].includes(status) || !fs.existsSync(path.join(folder, page))) fail(`softfinger ${command} ends with ${status} and without ${page}`);
     }
     return `<article class="card"><a href="gallery/${page}"><div class="preview"><iframe src="gallery/${page}" title="${escapeHtml(question)}" loading="lazy" tabindex="-1" scrolling="no"></iframe></div>
 <h2>${escapeHtml(question)}</h2></a><pre>softfinger ${escapeHtml(command)}</pre></article>`;
