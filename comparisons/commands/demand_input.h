@@ -16,7 +16,7 @@ struct DemandInput {
   prediction::Demand demand() const;
 };
 
-/// @param required  whether --tolerance has no default
+/// Adds `--tolerance` and `--quantities` to a command.
 void add_demand(CLI::App& command, DemandInput& typed);
 
 }  // namespace softfinger::commands

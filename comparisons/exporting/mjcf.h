@@ -24,7 +24,7 @@ class Mjcf {
   /// The pairs that a geom is in.
   const std::set<const XmlElement*>& pairs(const XmlElement& geom) const;
 
-  /// The last <option> that states an attribute counts, and the last <flag>. Null: none does.
+  /// The last `<option>` that states an attribute counts, and the last `<flag>`. Null: none does.
   const XmlElement* option(const char* element, const char* attribute) const;
   bool states(const char* element, const char* attribute, const char* value) const;
 

@@ -28,7 +28,7 @@ struct XmlElement {
   std::vector<XmlElement*> children;
   std::size_t begin = 0, end = 0;            ///< of the whole element
   std::size_t attributes_end = 0;            ///< where another attribute may be written
-  std::size_t content = 0, content_end = 0;  ///< between the tags; equal for <name/>
+  std::size_t content = 0, content_end = 0;  ///< between the tags; equal for `<name/>`
   bool is_self_closing = false;
 
   /// Null when there is none.

@@ -10,7 +10,8 @@ namespace softfinger::robots {
 ///
 /// `package://NAME/REST` and `model://NAME/REST` lie in the package NAME: a folder of this name, or
 /// one whose package.xml says so. It is looked for in the given folders, then above the robot's
-/// file, folder by folder. Other names are relative to the robot's file, with or without file://.
+/// file, folder by folder. Other names are relative to the robot's file, with or without the prefix
+/// of a file URL.
 class PackagePaths {
  public:
   PackagePaths(const std::filesystem::path& file, std::vector<std::string> package_paths);

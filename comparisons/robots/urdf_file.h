@@ -21,8 +21,8 @@ struct UrdfFile {
   std::set<std::pair<std::string, int>> capsules;
   std::set<std::string> ball_joints;  ///< those that Bullet calls spherical; floating in the text
   std::map<std::string, int> line_of_mesh;  ///< by the name of its file
-  /// Friction coefficients from the simulators' own elements: lateral_friction in <contact>
-  /// (Bullet) and mu1 in <gazebo>.
+  /// Friction coefficients from the simulators' own elements: lateral_friction in `<contact>`
+  /// (Bullet) and mu1 in `<gazebo>`.
   std::map<std::string, double> friction_of_link;
 };
 
@@ -31,7 +31,7 @@ struct UrdfFile {
 /// and too many links
 UrdfFile read_urdf(const std::filesystem::path& file);
 
-/// Whether the root element of an XML file is <robot>.
+/// Whether the root element of an XML file is `<robot>`.
 bool is_urdf(const std::filesystem::path& file);
 
 }  // namespace softfinger::robots

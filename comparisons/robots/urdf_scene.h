@@ -13,8 +13,8 @@ namespace softfinger::robots {
 /// The root link stands in the world. Links on fixed joints are parts of the body that carries
 /// them, but for those with a layer; links without mass are frames. Joints start at 0, or at the
 /// limit next to it. A planar joint is two slides and a hinge; a link on a floating joint is free.
-/// A link without <inertial> weighs what its shapes weigh at 1000 kg/m3. Visual shapes are those of
-/// a link that has no collisions. Bodies that a joint connects do not collide.
+/// A link without `<inertial>` weighs what its shapes weigh at 1000 kg/m3. Visual shapes are those
+/// of a link that has no collisions. Bodies that a joint connects do not collide.
 /// @param meshes  the folder for its meshes, which are written as STL files in metres
 /// @param id  of the scene, and the beginning of the files' names
 /// @param package_paths  where packages lie, see PackagePaths

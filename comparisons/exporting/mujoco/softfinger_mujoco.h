@@ -8,7 +8,7 @@
 /// A geom is listed by a numeric field of the model, which `softfinger apply --to mujoco --plugin`
 /// writes:
 ///
-///   <custom><numeric name="softfinger:GEOM" data="R' R'' h E nu"/></custom>
+///     <custom><numeric name="softfinger:GEOM" data="R' R'' h E nu"/></custom>
 ///
 /// with the relative radii R' >= R'' > 0 of finger and object in m, the layer's thickness h in m,
 /// Young's modulus E in Pa and Poisson's ratio nu. Three further numbers are the finger's own
