@@ -267,10 +267,12 @@ class Inputs(unittest.TestCase):
             ("friction_coefficient", -0.1),
             ("finger_xy_per_m", numpy.nan),
             ("thickness_m", 1e-300),  # overflows
+            ("thickness_m", numpy.ma.masked),
         ):
-            good = numpy.array([PAD.get(name, 0.0), value])
-            contact = arrays.fingertip_layer(**{**PAD, name: good}, with_stiffness=True)
-            bound = arrays.error_bound(**{**PAD, name: good})
+            two = numpy.ma.array([PAD.get(name, 0.0)] * 2)
+            two[1] = value
+            contact = arrays.fingertip_layer(**{**PAD, name: two}, with_stiffness=True)
+            bound = arrays.error_bound(**{**PAD, name: two})
             for number in contact:
                 self.assertEqual(numpy.isnan(number).tolist(), [False, True], name)
             for number in bound:
@@ -288,6 +290,7 @@ class Inputs(unittest.TestCase):
     def test_what_is_no_array_of_numbers_is_refused(self):
         for wrong, said in (
             (dict(thickness_m="thin"), r"thickness_m = 'thin': allowed: a number or an array"),
+            (dict(poisson_ratio=True), r"poisson_ratio = True: allowed: a number or an array"),
             (dict(thickness_m=numpy.ones(2), poisson_ratio=numpy.ones(3)), "broadcast"),
         ):
             with self.assertRaisesRegex(softfinger.InputError, said):

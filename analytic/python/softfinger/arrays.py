@@ -10,8 +10,9 @@
 
 The C++ library writes down its own formulas as a list of steps (bindings/traced.h), and this module
 repeats the steps on arrays: there is no second copy of a formula or of a table. In double precision
-the numbers are those of the compiled part to 1e-12, and derivatives those of
-`predict_with_gradient` to 1e-10.
+the numbers are those of the compiled part to 1e-12. Derivatives are those of
+`predict_with_gradient` to 1e-10 of the number over the variable: where the terms of a derivative
+cancel, as that by the thickness of a thick layer, it keeps fewer digits of its own in both.
 
 All arguments are numbers or arrays in SI units that broadcast. Results are arrays of the library,
 on the device and of the precision of the arguments; numpy's of double precision where there are
@@ -314,10 +315,7 @@ def _checked(function, arguments, ranges):
     a number that is in every range in place of those that are not."""
     library, checked, known = _Library(function, arguments), {}, []
     for name, value in arguments.items():
-        try:
-            x = library.array(value)
-        except (TypeError, ValueError, RuntimeError):
-            raise InputError(function, name, value, "a number or an array of numbers") from None
+        x = library.array(value if _is_foreign(value) else as_numbers(function, name, value))
         known.append(ranges[name].holds(x))
         checked[name] = library.where(known[-1], x, 0.25)
     try:
