@@ -26,9 +26,11 @@ class Stubs(unittest.TestCase):
 
     def test_every_public_name_is_documented(self):
         import softfinger
+        import softfinger.arrays
 
-        for name in softfinger.__all__:
-            self.assertTrue(getattr(softfinger, name).__doc__, name)
+        for module in (softfinger, softfinger.arrays):
+            for name in module.__all__:
+                self.assertTrue(getattr(module, name).__doc__, name)
 
 
 if __name__ == "__main__":

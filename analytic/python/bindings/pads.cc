@@ -85,6 +85,19 @@ py::dict predict_pads(const PadShape& shape, const std::string& name, bool is_st
   return result;
 }
 
+/// The torque's bound of nu = 0 and of all other nu, where it is known: it depends on the outline
+/// alone. Asked of a thin layer that is hardly pressed.
+std::array<double, 2> torque_bounds(const PadShape& shape) {
+  const auto bound = [&](double poisson_ratio) {
+    PadProblem problem;
+    problem.shape = &shape;
+    problem.layer = {shape.size_m() / 2, 1 / shape.outline().area_m2(), poisson_ratio};
+    problem.load = {1e-6, 1};
+    return pad_error_bound(*find_pad_model("pad_layer"), problem).value().max_torque;
+  };
+  return {bound(0), bound(0.3)};
+}
+
 }  // namespace
 
 void bind_pads(py::module_& module) {
@@ -100,6 +113,8 @@ void bind_pads(py::module_& module) {
       .def_property_readonly("area_m2",
                              [](const PadShape& shape) { return shape.outline().area_m2(); })
       .def_property_readonly("vertices_m", &vertices_m)
+      .def_property_readonly("size_m", &PadShape::size_m)
+      .def_property_readonly("torque_bounds", &torque_bounds)
       .def("predict", &predict_pads);
 }
 

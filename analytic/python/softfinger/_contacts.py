@@ -24,7 +24,7 @@ class Range:
 
 POSITIVE = Range(lambda x: (x > 0) & (x < numpy.inf), "positive and finite")
 NOT_NEGATIVE = Range(lambda x: (x >= 0) & (x < numpy.inf), "finite and not negative")
-FINITE = Range(numpy.isfinite, "finite")
+FINITE = Range(lambda x: (x > -numpy.inf) & (x < numpy.inf), "finite")
 POISSON = Range(lambda x: (x >= 0) & (x <= 0.5), "0 to 0.5")
 EXPONENT = Range(lambda x: (x > 0) & (x < 1), "between 0 and 1, both excluded")
 AT_LEAST_ONE = Range(lambda x: (x >= 1) & (x < numpy.inf), "1 or more, finite")

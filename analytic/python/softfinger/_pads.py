@@ -15,7 +15,7 @@ from ._names import choices
 from ._result import Flags, Numbers, Result, masked, result, shaped
 
 PAD_MODELS = ("pad_layer", "pad_uniform")
-_PRESSINGS = ("stuck", "frictionless")
+PRESSINGS = ("stuck", "frictionless")
 _RANGES = {
     "normal_force_N": POSITIVE,
     "youngs_modulus_Pa": POSITIVE,
@@ -142,8 +142,8 @@ class FlatPad:
         function = "FlatPad.predict"
         if model not in PAD_MODELS:
             raise InputError(function, "model", model, choices(model, PAD_MODELS))
-        if pressing not in _PRESSINGS:
-            raise InputError(function, "pressing", pressing, choices(pressing, _PRESSINGS))
+        if pressing not in PRESSINGS:
+            raise InputError(function, "pressing", pressing, choices(pressing, PRESSINGS))
         given = (
             normal_force_N,
             youngs_modulus_Pa,

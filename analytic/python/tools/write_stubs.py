@@ -1,4 +1,5 @@
-"""Writes the stubs of the package, softfinger/__init__.pyi and plot.pyi, from the package itself.
+"""Writes the stubs of the package, softfinger/__init__.pyi, arrays.pyi and plot.pyi, from the package
+itself.
 
 usage: python3 analytic/python/tools/write_stubs.py FOLDER     with the built package in PYTHONPATH
 
@@ -12,6 +13,7 @@ import pathlib
 import sys
 
 import softfinger
+import softfinger.arrays
 import softfinger.plot
 
 HEAD = """# Written by analytic/python/tools/write_stubs.py; do not edit.
@@ -32,6 +34,7 @@ __version__: str
 
 
 def text_of(annotation):
+    annotation = getattr(annotation, "__forward_arg__", annotation)  # of a NamedTuple
     return annotation if isinstance(annotation, str) else getattr(annotation, "__name__", "None")
 
 
@@ -77,7 +80,8 @@ def class_text(kind):
     body = [f"{name}: {text_of(annotation)}" for name, annotation in annotations(kind).items()]
     if dataclasses.is_dataclass(kind):
         body.append(f"def __init__{signature_text(kind.__init__)}")
-    head = f"class {kind.__name__}" + (f"({base.__name__})" if base else "") + ":"
+    name = "NamedTuple" if base is tuple else getattr(base, "__name__", "")
+    head = f"class {kind.__name__}" + (f"({name})" if name else "") + ":"
     return "\n    ".join([head, *(body + members(kind) or ["..."])]) + "\n"
 
 
@@ -103,6 +107,9 @@ def stubs():
     plots = [name for name in vars(softfinger.plot) if name.startswith("plot_")]
     return {
         "__init__.pyi": HEAD + ALIASES + stub_of(softfinger.__all__, softfinger),
+        "arrays.pyi": HEAD
+        + "from typing import NamedTuple\n\nfrom softfinger import FlatPad\n"
+        + stub_of(softfinger.arrays.__all__, softfinger.arrays),
         "plot.pyi": HEAD
         + "\nfrom softfinger import Calibration, FrictionEllipsoid, LimitSurface, ShearSurface\n"
         + stub_of(plots, softfinger.plot),

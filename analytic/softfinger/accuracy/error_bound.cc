@@ -1,9 +1,8 @@
 #include "softfinger/accuracy/error_bound.h"
 
-#include <algorithm>
 #include <cmath>
 
-#include "softfinger/layer/fingertip_layer_core.h"
+#include "softfinger/accuracy/error_bound_core.h"
 
 namespace softfinger {
 namespace {
@@ -32,33 +31,10 @@ BoundedErrors numbers_of(const ContactNumbers& contact) {
           contact.torque_arm_exact_m};
 }
 
-/// Index of the largest torque, the only quantity that the finite elements resolve to 0.1 %.
-constexpr std::size_t kTorque = 5;
-
-const char* reason_outside(const ContactProblem& problem, const ContactNumbers& flat) {
-  const double h = problem.layer.thickness_m;
-  const SurfaceCurvature& finger = problem.finger_curvature;
-  const double mean_per_m = 0.5 * (finger.xx_per_m + finger.yy_per_m);
-  const double spread_per_m =
-      std::hypot(0.5 * (finger.xx_per_m - finger.yy_per_m), finger.xy_per_m);
-  const double bend = h * (mean_per_m + spread_per_m);
-  if (mean_per_m < spread_per_m - 1e-9 * std::abs(mean_per_m + spread_per_m))
-    return "not known for a hollow finger: the runs are of convex ones";
-  const RelativeRadii& radii = problem.radii;
-  if (radii.major_m > kFingertipRange.largest_radii_ratio * radii.minor_m)
-    return "not known for R'/R'' above 20";
-  if (bend > kFingertipRange.largest_bend)
-    return "not known for layers thicker than 0.6 of the finger's smallest radius";
-  if (h >
-      kFingertipRange.largest_flat_thickness * std::sqrt(radii.major_m) * std::sqrt(radii.minor_m))
-    return "not known for layers thicker than five times the relative radius";
-  if (std::sqrt(flat.a_m) * std::sqrt(flat.b_m) > kFingertipRange.largest_size * h)
-    return "not known for contacts larger than 20 h";
-  if (flat.a_m > kFingertipRange.largest_slope * radii.major_m ||
-      flat.b_m > kFingertipRange.largest_slope * radii.minor_m)
-    return "not known for slopes above 0.6 at the edge of the contact";
-  if (flat.indentation_m > kFingertipRange.largest_strain * h)
-    return "not known for layers compressed by more than 40 %";
+/// @return  null where the errors of contacts like this are known
+const char* reason_outside(const ContactInputOf<double>& input, const ContactNumbers& flat) {
+  for (const ErrorLimit<double>& limit : error_limits(input, flat))
+    if (!(limit.excess <= 0)) return limit.reason;
   return nullptr;
 }
 
@@ -83,32 +59,6 @@ ErrorCause cause_of(FingertipEffect effect) {
   }
 }
 
-/// Half-width of the torque's error band where strain, slope and curvature are small. There
-/// bonded_layer is known better than the finite elements that tested it: it is within 0.002 % of
-/// the spectral solution, of which kSpectral is two and a half times. The rest of the departure is
-/// at most a few times the sum of its terms' magnitudes, since their signs differ. For a, b, area
-/// and peak pressure the finite elements scatter more than such a bound, so that no run could
-/// confirm it.
-double width_of_small_departures(const FingertipArguments<double>& at, double poisson_ratio,
-                                 double ring_slope) {
-  constexpr double kSpectral = 5e-5, kTimes = 3;
-  const auto shapes = fingertip_shapes(2 * poisson_ratio, at.l);
-  double sum = 0;
-  int term = 0;
-  for (int effect = 0; effect < kSymmetricEffects; ++effect)
-    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term) {
-      const auto& row = kFingertipLayerTable.symmetric[term];
-      sum += std::abs(at.effects[std::size_t(effect)] * shapes[std::size_t(shape)] *
-                      (row[kSizeColumn] + row[kArmColumn]));
-    }
-  term = 0;
-  for (int effect = kSymmetricEffects; effect < kFingertipEffects; ++effect)
-    for (int shape = 0; shape < kShapesOf[effect]; ++shape, ++term)
-      sum += std::abs(at.effects[std::size_t(effect)] * shapes[std::size_t(shape)] *
-                      kFingertipLayerTable.aspect[term] * ring_slope);
-  return kSpectral + kTimes * sum;
-}
-
 }  // namespace
 
 ErrorBound error_bound(const ContactProblem& problem, const Prediction& prediction) noexcept {
@@ -123,11 +73,7 @@ ErrorBound error_bound(const ContactProblem& problem, const Prediction& predicti
   // Written so that what is no number lies outside.
   if (!(flat.a_m > 0 && flat.b_m > 0 && flat.indentation_m > 0))
     return outside("bonded_layer, by which bounds are known, has no answer");
-  if (const char* reason = reason_outside(problem, flat)) return outside(reason);
-  if (!(fit_of_object(input, flat.a_m, flat.b_m) <= kFingertipRange.largest_fit))
-    return outside(
-        "not known where a hollow object nearly fits the finger: their shapes decide there, not "
-        "their radii");
+  if (const char* reason = reason_outside(input, flat)) return outside(reason);
   const auto arguments = fingertip_arguments(input, flat, problem.is_object_spherical ? 1. : 0.);
   const BoundedErrors answer = numbers_of(prediction);
   ErrorBound result;
@@ -149,15 +95,11 @@ ErrorBound error_bound(const ContactProblem& problem, const Prediction& predicti
       result.causes[std::size_t(cause)][q] = answer[q] / next[q] - answer[q] / reference[q];
     reference = next;
   }
-  const double size = departure_size(arguments);
+  const BoundedErrors widths = error_widths(arguments, input.poisson_ratio, logarithms[kAspect]);
   for (std::size_t q = 0; q < kBoundedQuantities; ++q) {
     const double ratio = answer[q] / reference[q];
     result.expected[q] = ratio - 1;
-    double width = kFingertipLayerTable.widths[q].at(size);
-    if (q == kTorque)
-      width = std::min(width, width_of_small_departures(arguments, input.poisson_ratio,
-                                                        log_ring_arm_slope(logarithms[kAspect])));
-    result.bound[q] = std::abs(result.expected[q]) + ratio * width;
+    result.bound[q] = std::abs(result.expected[q]) + ratio * widths[q];
   }
   return result;
 }

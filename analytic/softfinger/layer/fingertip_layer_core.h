@@ -65,7 +65,11 @@ enum FingertipColumn { kSizeColumn, kDepthColumn, kPeakColumn, kArmColumn, kFing
 struct FingertipWidth {
   double least, per_size, power;
   /// @param size  departure_size
-  double at(double size) const noexcept { return least + per_size * std::pow(size, power); }
+  template <class Real>
+  Real at(const Real& size) const noexcept {
+    using std::pow;
+    return least + per_size * pow(size, power);
+  }
 };
 
 /// Range of the finite-element runs to which the terms were fitted.
@@ -158,19 +162,25 @@ FingertipArguments<Real> fingertip_arguments(const ContactInputOf<Real>& input,
 /// and not on the radii of curvature alone: four times the gap's change from a paraboloid to an
 /// ellipsoid, (a k)² (k R - 1) with the finger's curvature k and the gap's radius R, along the axis
 /// where it is larger.
-inline double fit_of_object(const ContactInputOf<double>& input, double a_m, double b_m) noexcept {
-  const auto along = [](double curvature_per_m, double radius_m, double semi_axis_m) {
-    const double slope = semi_axis_m * curvature_per_m;
-    return slope * slope * (curvature_per_m * radius_m - 1);
+template <class Real>
+Real fit_of_object(const ContactInputOf<Real>& input, const Real& a_m, const Real& b_m) noexcept {
+  using plain::larger;
+  const auto along = [](const Real& curvature_per_m, const Real& radius_m,
+                        const Real& semi_axis_m) {
+    const Real slope = semi_axis_m * curvature_per_m;
+    return slope * slope * (curvature_per_m * radius_m - 1.);
   };
-  return std::max({0., along(input.finger_xx_per_m, input.radius_major_m, a_m),
-                   along(input.finger_yy_per_m, input.radius_minor_m, b_m)});
+  return larger(larger(along(input.finger_xx_per_m, input.radius_major_m, a_m), 0.),
+                along(input.finger_yy_per_m, input.radius_minor_m, b_m));
 }
 
 /// The size of all effects together: strain, slopes and curvature.
-inline double departure_size(const FingertipArguments<double>& at) noexcept {
-  return at.effects[kStrain] + at.effects[kSlope] + std::abs(at.effects[kBend]) +
-         std::sqrt(at.effects[kTwist]);
+template <class Real>
+Real departure_size(const FingertipArguments<Real>& at) noexcept {
+  using plain::sqrt;
+  using std::abs;
+  return at.effects[kStrain] + at.effects[kSlope] + abs(at.effects[kBend]) +
+         sqrt(at.effects[kTwist]);
 }
 
 /// The factors of the effects' polynomials.

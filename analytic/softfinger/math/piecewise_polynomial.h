@@ -41,6 +41,9 @@ class PiecewisePolynomial {
     return even;
   }
 
+  /// Rows [piece][power of the place in the piece, which goes from -1 to 1].
+  const Values* terms() const noexcept { return terms_.data(); }
+
   /// Evaluates the functions at x and, in `*slope`, their derivatives.
   Values value(double x, Values* slope) const noexcept {
     double t;

@@ -16,43 +16,11 @@ using Eigen::Vector3d;
 using pads::PadDual;
 using pads::PadLaw;
 using pads::PadLayer;
+using pads::PadResultants;
 
 constexpr std::size_t kX = 0, kY = 1;
 /// Share of the face that may have lifted off.
 constexpr double kMostLifted = 0.8;
-
-/// Resultants of p, per E d/h and per E/h times a tilt: force, moments about the centroid, arms.
-template <class T>
-struct PadResultants {
-  T force;                     ///< int p dA of pressing
-  std::array<T, 2> moment;     ///< int x p, int y p of pressing
-  T radius;                    ///< int r p of pressing
-  std::array<T, 2> radius_by;  ///< int x/r p, int y/r p
-
-  T centre(std::size_t axis) const noexcept { return moment[axis] / force; }
-  /// Arm about the centre of pressure: to first order in its distance from the centroid, which is
-  /// below a hundredth of the size; the second order is below 1e-4.
-  T arm() const noexcept {
-    return (radius - centre(kX) * radius_by[kX] - centre(kY) * radius_by[kY]) / force;
-  }
-};
-
-template <class T>
-PadResultants<T> pressing_resultants(const PadShape& shape, const PadLaw<T>& law) noexcept {
-  const PadShape::Sums& sums = shape.sums(PadShape::constant);
-  const double area = shape.outline().area_m2();
-  const T rim_share = law.rim_sum(sums, sums.integral) / area;
-  // int of p against a function of the row, whose own integral is `plain`.
-  const auto against = [&](const PadShape::Row& row, double plain) {
-    return plain * (1 + law.excess_uniform) + law.excess_layer * law.layer_sum(sums, row) +
-           law.rim * (plain * rim_share - law.rim_sum(sums, row));
-  };
-  const Vector2d& by_point = shape.radius_by_point_m2();
-  return {against(sums.integral, area),
-          {against(sums.moment_x, 0), against(sums.moment_y, 0)},
-          against(sums.radius, shape.radius_integral_m3()),
-          {against(sums.radius_by_x, by_point.x()), against(sums.radius_by_y, by_point.y())}};
-}
 
 /// Pressures over E/h: `approach` presses, `tilt` tilts so that the pressure grows along x and y.
 struct PadMotion {
@@ -64,7 +32,7 @@ struct PadMotion {
 class PadStiffness {
  public:
   PadStiffness(const PadShape& shape, const PadLaw<double>& law) noexcept
-      : pressed(pressing_resultants(shape, law)) {
+      : pressed(pads::pressing_resultants(shape, law)) {
     const Eigen::Matrix2d& plain = shape.outline().second_moments_m4();
     for (std::size_t i = 0; i < 2; ++i) {
       const PadShape::Sums& sums = shape.sums(i == kX ? PadShape::linear_x : PadShape::linear_y);
@@ -138,11 +106,10 @@ class LayerPadModel final : public PadModel {
 
  private:
   template <class T>
-  PadLaw<T> law(const PadShape& shape, PadLayer<T> layer, PadPressing pressing) const noexcept {
+  PadLaw<T> law(const PadShape& shape, const PadLayer<T>& layer,
+                PadPressing pressing) const noexcept {
     if (is_uniform_) return pads::uniform_law<T>();
-    const bool is_midplane = pressing == PadPressing::frictionless;
-    if (is_midplane) layer.thickness_m = 2 * layer.thickness_m;
-    return pads::pad_law(shape, layer, is_midplane);
+    return pads::pad_law(shape, layer, pressing == PadPressing::frictionless);
   }
   PadLaw<double> law(const PadProblem& problem, PadPressing pressing) const noexcept {
     const ElasticLayer& layer = problem.layer;
@@ -297,8 +264,7 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
   result.validity.add({"width_over_thickness", wide, pads::kLeastWidth, false,
                        "the pad is thicker than its closed form was fitted to: it bends and bulges "
                        "as a column does; ask finite elements"});
-  constexpr double kWidest = 1e4, kNarrowest = 1e-3;
-  if (!(wide > kNarrowest && wide < kWidest)) return result;
+  if (!(wide > pads::kNarrowest && wide < pads::kWidest)) return result;
 
   const PadLaw<double> pressed_law = law(problem, problem.pressing);
   const PadStiffness stiffness(shape, pressed_law);
@@ -348,7 +314,7 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
     result.pressure_arm_m = stiffness.pressed.arm();
     result.eccentricity_m = problem.pressing == PadPressing::frictionless
                                 ? result.pressure_arm_m
-                                : pressing_resultants(shape, slipping_law).arm();
+                                : pads::pressing_resultants(shape, slipping_law).arm();
   }
 
   const Eigen::Matrix2d tilting = stiffness.tilting();
@@ -392,8 +358,7 @@ PadPrediction LayerPadModel::predict(const PadProblem& problem) const noexcept {
         1 / (h / (shear_Pa * outline.area_m2()) * (1 + lost) +
              h * h * h / (12 * layer.youngs_modulus_Pa * second(int(axis), int(axis))));
 
-  constexpr double kLargestStrain = 0.1;
-  result.validity.add({"strain", motion.approach_m / h, kLargestStrain, true,
+  result.validity.add({"strain", motion.approach_m / h, pads::kLargestStrain, true,
                        "the pad is compressed by more than a tenth: rubber stiffens, and linear "
                        "theory does not"});
   if (is_uniform_)
@@ -429,11 +394,11 @@ PadGradient LayerPadModel::gradient(const PadProblem& problem) const noexcept {
                                     PadDual::variable(layer.poisson_ratio, 1),
                                     PadDual::variable(layer.thickness_m, 2)};
   const double load_N = problem.load.normal_force_N, mu = problem.load.friction_coefficient;
-  const auto pressed =
-      pressing_resultants(*problem.shape, law<PadDual>(*problem.shape, varied, problem.pressing));
+  const auto pressed = pads::pressing_resultants(
+      *problem.shape, law<PadDual>(*problem.shape, varied, problem.pressing));
   const PadDual slipping_arm =
-      pressing_resultants(*problem.shape,
-                          law<PadDual>(*problem.shape, varied, PadPressing::frictionless))
+      pads::pressing_resultants(*problem.shape,
+                                law<PadDual>(*problem.shape, varied, PadPressing::frictionless))
           .arm();
   const PadDual stiffness = varied.youngs_modulus_Pa / varied.thickness_m * pressed.force;
   const PadDual indentation = load_N / stiffness, arm = pressed.arm(),
