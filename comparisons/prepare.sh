@@ -13,9 +13,8 @@ softfinger_packages() { # analytic|fem, run|test
     echo pybind11-dev python3-dev python3-numpy python3-matplotlib python3-pip python3-venv python3-setuptools python3-wheel dpkg-dev doxygen
     if [ "$1" = fem ]; then echo openmpi-bin; fi
     command -v chromium >/dev/null || echo chromium
-    # Nothing stops where these are missing: ccache saves time, and without torch (0.6 GB on the disk, two
-    # minutes) the tests of softfinger.arrays skip what is about it.
-    [ "${SOFTFINGER_INSTALL:-1}" = 0 ] || echo ccache python3-torch
+    # It only saves time: nothing stops where it is missing.
+    [ "${SOFTFINGER_INSTALL:-1}" = 0 ] || echo ccache
   fi
 }
 
