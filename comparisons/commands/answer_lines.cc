@@ -38,7 +38,7 @@ std::string short_number(double value) {
 }
 
 std::string model_row(const ModelAnswer& answer, prediction::TorqueRule rule) {
-  const Prediction& p = answer.prediction;
+  const Prediction& p = answer.pressed();
   const FrictionEllipsoid limit = answer.friction_ellipsoid(rule);
   return fmt::format(fmt::runtime(kRow), answer.model->card().name, short_number(2e3 * p.a_m),
                      short_number(2e3 * p.b_m), short_number(1e3 * p.indentation_m),
@@ -68,7 +68,7 @@ std::string answer_line(double load_N, const ModelAnswer* answer, prediction::To
                         const std::optional<judgement::InputDoubt>& inputs,
                         const std::string& when) {
   if (!answer) return fmt::format("{:g} N{}: NO ANSWER by any of these models\n", load_N, when);
-  const Prediction& p = answer->prediction;
+  const Prediction& p = answer->pressed();
   const FrictionEllipsoid limit = answer->friction_ellipsoid(rule);
   const bool usable = answer->assessment && answer->assessment->usable;
   const std::string force = answer->shear_law.kind == ShearLaw::Kind::coulomb

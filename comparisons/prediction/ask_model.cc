@@ -113,7 +113,8 @@ void press_with_friction(const input::Case& contact_case, ModelAnswer& answer) {
   answer.pressing = contact_case.pressing;
   if (answer.pressing == PressingFriction::none || !answer.prediction.has_answer) return;
   const double mu = contact_case.pressed_friction_coefficient();
-  const Prediction rubbed = softfinger::rubbed(answer.prediction, answer.problem, mu);
+  const Prediction rubbed =
+      softfinger::rubbed(*answer.model, answer.prediction, answer.problem, mu);
   const bool is_one_layer = answer.problem.stack.count == 0 && !answer.problem.has_object_layer();
   if (knows_pressing_friction(*answer.model) && is_one_layer) {
     answer.rubbed = rubbed;
@@ -125,7 +126,9 @@ void press_with_friction(const input::Case& contact_case, ModelAnswer& answer) {
   answer.prediction.validity.add(
       {"frictionless_pressing", change, kCounts, true,
        "presses without friction; with it the indentation is smaller by this share, in linear "
-       "elasticity. bonded_layer and the finite elements (softfinger fem) press with friction"});
+       "elasticity. fingertip_layer, bonded_layer and the finite elements (softfinger fem) press "
+       "with "
+       "friction"});
 }
 
 }  // namespace

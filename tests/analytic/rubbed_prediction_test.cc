@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "tests/analytic/rubbed_reference.h"
 
@@ -28,7 +29,7 @@ TEST(RubbedPrediction, AgreesWithIndependentSolutions) {
     SCOPED_TRACE("nu " + std::to_string(row.nu) + ", s " + std::to_string(row.s) + ", mu " +
                  std::to_string(row.mu));
     const ContactProblem problem = problem_of(row);
-    const Prediction pressed = rubbed(model.predict(problem), problem, row.mu);
+    const Prediction pressed = rubbed(model, model.predict(problem), problem, row.mu);
     // The ratios' stated 0.5 % and those of bonded_layer itself; the peak follows the arm's form.
     EXPECT_NEAR(pressed.a_m / kThickness_m / row.a, 1, 0.01);
     EXPECT_NEAR(pressed.indentation_m * kRadius_m / std::pow(kThickness_m, 2) / row.indentation, 1,
@@ -40,10 +41,52 @@ TEST(RubbedPrediction, AgreesWithIndependentSolutions) {
   }
 }
 
+TEST(RubbedPrediction, AgreesWithSpheresThatStickAtFiniteStrain) {
+  const PressureModel& model = *find_pressure_model("fingertip_layer");
+  for (const StuckAtFiniteStrain& row : kStuckAtFiniteStrain) {
+    SCOPED_TRACE("d/h " + std::to_string(row.indentation));
+    ContactProblem problem;
+    problem.layer = {1, 1 - 0.49 * 0.49, 0.49};
+    problem.radii = {5, 5, 0};
+    problem.is_object_spherical = true;
+    problem.load = {row.load, 0.8};
+    const Prediction pressed = rubbed(model, model.predict(problem), problem, kAllSticks);
+    // 1 % of the ratios and what the model itself leaves of such spheres.
+    EXPECT_NEAR(pressed.a_m / row.a, 1, 0.02);
+    EXPECT_NEAR(pressed.indentation_m / row.indentation, 1, 0.02);
+  }
+}
+
+TEST(RubbedPrediction, OfCompressibleLayersFollowsTheFiniteElements) {
+  // Level 2 in linear elasticity, friction against none under one load: d, a and the pressed arm.
+  struct Row {
+    double nu, s, mu, indentation, size, arm;
+  };
+  const std::vector<Row> rows = {{0, 0.04, kAllSticks, 0.9658, 0.93945, 0.90899},
+                                 {0, 0.3, 0.25, 0.98117, 0.97081, 0.94331},
+                                 {0, 2, 0.7, 0.98862, 0.97145, 0.96965},
+                                 {0.12, 0.04, 0.25, 0.98443, 0.97694, 0.95234},
+                                 {0.12, 0.8, kAllSticks, 0.98289, 0.96803, 0.95542},
+                                 {0.22, 0.3, 0.08, 0.99557, 0.99281, 0.98636},
+                                 {0.22, 2, 0.25, 0.99845, 0.99241, 0.99444},
+                                 {0.3, 0.04, 0.7, 0.98875, 0.98033, 0.97248},
+                                 {0.4, 0.3, 0.25, 0.99759, 0.9946, 0.99281},
+                                 {0.4, 2, 0.08, 0.99322, 0.99743, 0.9973}};
+  for (const Row& row : rows) {
+    SCOPED_TRACE("nu " + std::to_string(row.nu) + ", s " + std::to_string(row.s) + ", mu " +
+                 std::to_string(row.mu));
+    const RubbedRatios ratios = rubbed_ratios(row.nu, row.s, row.mu);
+    EXPECT_NEAR(ratios.indentation / row.indentation, 1, 0.003);
+    EXPECT_NEAR(ratios.size / row.size, 1, 0.005);
+    EXPECT_NEAR(ratios.torque_arm / row.arm, 1, 0.007);
+  }
+}
+
 TEST(RubbedPrediction, IsTheFrictionlessOneWithoutFriction) {
   const ContactProblem problem = problem_of(kRubbedReferences.back());
-  const Prediction frictionless = find_pressure_model("bonded_layer")->predict(problem);
-  const Prediction pressed = rubbed(frictionless, problem, 0);
+  const PressureModel& model = *find_pressure_model("bonded_layer");
+  const Prediction frictionless = model.predict(problem);
+  const Prediction pressed = rubbed(model, frictionless, problem, 0);
   EXPECT_EQ(pressed.a_m, frictionless.a_m);
   EXPECT_EQ(pressed.indentation_m, frictionless.indentation_m);
   EXPECT_EQ(pressed.torque_arm_exact_m, frictionless.torque_arm_exact_m);

@@ -16,27 +16,33 @@ struct RubbedRatios {
 /// A layer that sticks is stiffer. Two mechanisms, each of which saturates with mu: inward slip of
 /// compressible layers, which a half-space has too, and the flow that is squeezed out of thin,
 /// nearly incompressible ones. With t = 1 - 2 nu, s = sqrt(ab)/h of the frictionless contact,
-///   ln ratio = -A erf(0.886 mu/c2) - B erf(0.886 mu/m),  A = c0 t²/(1 + (s/s0)²),
+///   ln ratio = -A erf(0.886 mu/(c2 t^n2)) - B erf(0.886 mu/m),
+///   A = c0 t^n1/(1 + (s/(s0 t^n3))^p),
 ///   B = c s^k/(q + s^k)/(1 + b t/(1 - nu) s^n) max(0, 1 - j t),  m = g1 exp(-g2 t) s/(s + g3),
-/// constants fitted to linear elasticity (incremental solutions of round contacts): within 0.5 %
-/// for nu 0.3 to 0.49, s 0.5 to 3, any mu; from s = 0.3 to 4 within 0.7, 0.4 and 0.5 % (d, a, arm).
-/// Outside of that range they are extrapolated.
+/// constants fitted to linear elasticity: incremental solutions of round contacts (nu 0.3 to 0.499,
+/// s 0.3 to 5) within 0.4 % for nu up to 0.49 and 0.9 % above, this project's finite elements (nu 0
+/// to 0.4, s 0.04 to 2) within 0.2 (d), 0.4 (a) and 0.6 % (arm). Pressed far, a layer flows as a
+/// thinner one does: in B and m, s grows by the share `per_strain` d/h, which leaves 1 % in d and a
+/// of spheres that stick at finite strain (nu 0.49, R = 5 h, d/h to 0.4). The arm changes more
+/// where friction on a steep object bears a part of the load, which is left out.
 /// @param poisson_ratio         0 to 1/2
 /// @param size_over_thickness   s >= 0
 /// @param friction_coefficient  mu >= 0; infinite: all sticks
+/// @param strain                d/h >= 0 of the frictionless contact; 0: linear elasticity
 RubbedRatios rubbed_ratios(double poisson_ratio, double size_over_thickness,
-                           double friction_coefficient) noexcept;
+                           double friction_coefficient, double strain = 0) noexcept;
 
 /// A prediction of frictionless pressing as it is with friction. The pressure keeps the form
 /// (1 - r²)^n, with the exponent of its new arm, which gives the peak: within 4 % of linear
 /// elasticity. `torque_arm_exact_m` becomes int p r dA / P as pressed. It is not the arm of the
 /// largest torque, which is that of frictionless pressing: at full slip the direction of friction
 /// has turned into that of the slip.
-/// @pre has an answer
-Prediction rubbed(const Prediction& frictionless, const ContactProblem& problem,
-                  double friction_coefficient) noexcept;
+/// @param model         that gave it: one at finite strain has the ratios of its strain
+/// @param frictionless  an answer
+Prediction rubbed(const PressureModel& model, const Prediction& frictionless,
+                  const ContactProblem& problem, double friction_coefficient) noexcept;
 
-/// Whether a model's answers are those of linear elasticity on a layer, which the ratios are for.
+/// Whether a model's answers are those of an elastic layer, which the ratios are for.
 bool knows_pressing_friction(const PressureModel& model) noexcept;
 
 }  // namespace softfinger

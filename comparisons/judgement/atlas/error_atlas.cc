@@ -103,7 +103,7 @@ QuantityErrors model_errors(const PressureModel& model, const AtlasRun& run,
   if (!found.has_answer) return errors;
   // The largest torque is that of frictionless pressing.
   const Prediction pressed = run.kind == AtlasKind::rubbed_finger && knows_pressing_friction(model)
-                                 ? rubbed(found, problem, run.friction_coefficient)
+                                 ? rubbed(model, found, problem, run.friction_coefficient)
                                  : found;
   const QuantityErrors answer = {pressed.a_m,
                                  pressed.b_m,
