@@ -51,9 +51,10 @@ TEST(RubbedPrediction, AgreesWithSpheresThatStickAtFiniteStrain) {
     problem.is_object_spherical = true;
     problem.load = {row.load, 0.8};
     const Prediction pressed = rubbed(model, model.predict(problem), problem, kAllSticks);
-    // 1 % of the ratios and what the model itself leaves of such spheres.
+    // The model's own range for a and d (2 and 3 %), which ends at the largest of these
+    // indentations.
     EXPECT_NEAR(pressed.a_m / row.a, 1, 0.02);
-    EXPECT_NEAR(pressed.indentation_m / row.indentation, 1, 0.02);
+    EXPECT_NEAR(pressed.indentation_m / row.indentation, 1, 0.03);
   }
 }
 
