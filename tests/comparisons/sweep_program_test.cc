@@ -207,8 +207,9 @@ TEST_F(SweepProgram, GoesOnBeforeTheFirstRowThatWasChanged) {
   const pid_t process =
       start_softfinger(start, {"sweep", "sweep.toml", "--output", output.string(), "--jobs", "1"});
   const fs::path partial = output / "results.partial.csv";
-  // The sweep's identity, the header and a chunk of rows are noted in it.
-  for (int i = 0; i < 10000 && lines(file_text(output / "results.partial.check")).size() < 3; ++i)
+  // The sweep's identity, the header and a chunk of rows are noted in it. A sanitized program on a
+  // busy machine needs seconds for that.
+  for (int i = 0; i < 600000 && lines(file_text(output / "results.partial.check")).size() < 3; ++i)
     usleep(100);
   kill(process, SIGKILL);
   wait_for(start, process);
