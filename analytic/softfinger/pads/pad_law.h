@@ -149,7 +149,7 @@ PadResultants<T> pressing_resultants(const PadShape& shape, const PadLaw<T>& law
 
 /// Range of size over thickness that the corrections were fitted to; `size_m` is a disc's radius.
 constexpr double kLeastWidth = 0.45, kLargestWidth = 16;
-/// Beyond these it has no answer at all.
+/// Narrower and wider pads than these, in the same measure, have no answer at all.
 constexpr double kNarrowest = 1e-3, kWidest = 1e4;
 /// Compression over thickness to which linear theory holds.
 constexpr double kLargestStrain = 0.1;
