@@ -169,9 +169,9 @@ TEST(RubbedPressing, OfSmallStrainIsThatOfLinearElasticity) {
               linear.error.indentation + of_strain);
   EXPECT_NEAR(finite.finest.pressure_arm_m / linear.finest.pressure_arm_m, 1,
               linear.error.indentation + of_strain);
-  // Level 1 has eight nodes along the semi-axis: the ring of nodes between stick and slip, at 0.9 of
-  // it, is 2 x 0.9 / 8 = 0.22 of the area. Less than half of its nodes may stick in one and slip in
-  // the other.
+  // Level 1 has eight nodes along the semi-axis: the ring of nodes between stick and slip, at 0.9
+  // of it, is 2 x 0.9 / 8 = 0.22 of the area. Less than half of its nodes may stick in one and slip
+  // in the other.
   constexpr double of_ring = 0.1;
   EXPECT_NEAR(finite.finest.stick_share, linear.finest.stick_share, of_ring);
 }
