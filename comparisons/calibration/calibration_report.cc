@@ -202,9 +202,9 @@ std::string geometry_sentence(const CaseCalibration& calibration) {
 std::string compression_sentence(const CaseCalibration& calibration) {
   const CalibrationProblem& problem = calibration.problem;
   if (!contains(problem.free, Parameter::thickness)) return {};
-  const double compression =
-      std::exp(PredictedMeasurements{*problem.model, problem.measurements, problem.shear_law}
-                   .log_compression(calibration.found.values, nullptr));
+  const double compression = std::exp(PredictedMeasurements{*problem.model, problem.measurements,
+                                                            problem.shear_law, problem.pressing}
+                                          .log_compression(calibration.found.values, nullptr));
   if (!(compression > 0.8 * kMostCompression)) return {};
   return fmt::format(
       "At {:g} N this layer is pressed together by {:.0f} %. The models are not trusted beyond "

@@ -263,6 +263,7 @@ CaseCalibration calibrate_case(const input::Case& contact_case,
   CalibrationProblem& problem = result.problem;
   problem.model = request.model;
   problem.shear_law = contact_case.shear_law.kind;
+  problem.pressing = contact_case.pressing;
   problem.free = free_parameters(request, contact_case, table);
   problem.measurements.values = table.values;
 
@@ -345,11 +346,12 @@ std::vector<FittedCurve> fitted_curves(const CaseCalibration& calibration) {
   Eigen::VectorXd logs;
   Eigen::MatrixXd all_slopes;
   const ParameterValues& values = calibration.found.values;
-  PredictedMeasurements{*problem.model, asked, problem.shear_law}.evaluate(values, logs,
-                                                                           &all_slopes);
+  PredictedMeasurements{*problem.model, asked, problem.shear_law, problem.pressing}.evaluate(
+      values, logs, &all_slopes);
   // The data's information in each direction, which is zero for combinations that they do not
   // determine.
-  const PredictedMeasurements measured{*problem.model, problem.measurements, problem.shear_law};
+  const PredictedMeasurements measured{*problem.model, problem.measurements, problem.shear_law,
+                                       problem.pressing};
   const Eigen::MatrixXd jacobian = LeastSquares(measured, calibration.found.weights,
                                                 contains(problem.free, Parameter::thickness))
                                        .jacobian(values, problem.free);

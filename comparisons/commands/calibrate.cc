@@ -233,7 +233,6 @@ int run_calibrate(const CalibrateOptions& options) {
   const input::Case contact_case =
       input::read_case(system::find_case_file(options.case_file), settings_of(options.settings),
                        input::FlatPads::taken, input::Times::taken);
-  input::refuse_pressing(contact_case, "softfinger calibrate");
   input::refuse_times(contact_case, "softfinger calibrate");
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
     throw InputError(

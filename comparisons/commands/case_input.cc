@@ -1,5 +1,7 @@
 #include "comparisons/commands/case_input.h"
 
+#include <algorithm>
+
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/number_option.h"
 #include "comparisons/system/program_paths.h"
@@ -138,25 +140,31 @@ input::Case read_case(const CaseInput& typed) {
     input::Case read = input::read_case(system::find_case_file(typed.file), settings,
                                         input::FlatPads::taken, input::Times::taken);
     if (typed.pads == input::FlatPads::refused) refuse_pad(read, "softfinger " + typed.command);
-    if (!typed.presses_with_friction) refuse_pressing(read, "softfinger " + typed.command);
     if (typed.times == input::Times::refused) refuse_times(read, "softfinger " + typed.command);
     for (const std::string& line : read.remarks) remark(line);
     return read;
   }
   std::string text = "id = \"command_line\"\n";
-  bool has_friction = !typed.friction.empty();
-  for (const input::Setting& setting : settings)
-    has_friction = has_friction || setting.key == "contact.friction_coefficient" ||
-                   setting.key == "contact.shear_law";
+  const auto is_set = [&](const char* key) {
+    return std::any_of(settings.begin(), settings.end(),
+                       [&](const input::Setting& setting) { return setting.key == key; });
+  };
+  const bool has_friction = !typed.friction.empty() || is_set("contact.friction_coefficient") ||
+                            is_set("contact.shear_law");
   if (!has_friction) text += "[contact]\nfriction_coefficient = 1\n";
+  // Nobody said that it sticks while it is pressed. Flat pads have another default.
+  const bool is_pad = !typed.pad_mm.empty() || !typed.pad_diameter_mm.empty();
+  if (!has_friction && !is_pad && !is_set("contact.pressing"))
+    text += "pressing = \"frictionless\"\n";
   input::Case made = input::parse_case(text, "command line", settings, input::FlatPads::taken,
                                        input::Times::taken);
   if (typed.pads == input::FlatPads::refused) refuse_pad(made, "softfinger " + typed.command);
-  if (!typed.presses_with_friction) refuse_pressing(made, "softfinger " + typed.command);
   if (typed.times == input::Times::refused) refuse_times(made, "softfinger " + typed.command);
   for (const std::string& line : made.remarks) remark(line);
   if (!has_friction)
-    remark("no --friction: a coefficient of 1 is taken, the torque is proportional to it");
+    remark(std::string("no --friction: a coefficient of 1 is taken, the torque is proportional "
+                       "to it") +
+           (is_pad ? "" : "; pressed without friction"));
   return made;
 }
 

@@ -13,7 +13,6 @@ namespace softfinger::commands {
 struct CaseInput {
   std::string command;  ///< that takes them: "predict"
   input::FlatPads pads = input::FlatPads::refused;
-  bool presses_with_friction = false;
   input::Times times = input::Times::refused;
   std::string file;  ///< as typed; empty: all by numbers
   std::vector<std::string> settings;

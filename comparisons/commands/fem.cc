@@ -282,7 +282,6 @@ void add_fem(CLI::App& app, Action& action) {
       "Finite elements of the finger itself, as compare solves them, with their own error; seconds "
       "to minutes");
   add_case(*command, options->typed_case, false, input::FlatPads::taken);
-  options->typed_case.presses_with_friction = true;
   command
       ->add_option("--level", options->level,
                    "refinement, 1 (coarse) to 3 (fine); default: the case's own, else 2")

@@ -169,9 +169,11 @@ std::string evidence_text(const FemAnswerText& answer) {
   if (answer.contact_case.pressing != PressingFriction::none)
     text += fmt::format(
         "  pressed with friction: {:.0f} % of the area sticks; the torque is that of full slip, "
-        "the "
-        "same as without\n",
-        100 * result.document.value("stick_share", 0.0));
+        "the same as without{}\n",
+        100 * result.document.value("stick_share", 0.0),
+        result.twist && answer.contact_case.fem_finite
+            ? "; at finite strain the twist starts from pressing without friction"
+            : "");
   if (result.twist) text += twist_table(result);
   if (!result.limit_surface.empty()) text += limit_surface_table(result);
   if (result.coarse) text += "  (interrupted: the result of a coarser level than requested)\n";

@@ -436,7 +436,6 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
   CLI::App* command = app.add_subcommand(
       "predict", "Contact ellipse, pressure, torque and validity of the analytic models, per load");
   add_case(*command, options->typed_case, false, input::FlatPads::taken);
-  options->typed_case.presses_with_friction = true;
   options->typed_case.times = input::Times::taken;
   command->add_option("--model,--models", options->models,
                       "model names, separated by commas; \"all\" (default): those that take "

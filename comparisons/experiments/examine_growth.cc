@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "comparisons/experiments/examine.h"
@@ -10,6 +11,7 @@
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/calibration/calibrate.h"
 #include "softfinger/layer/growth_exponent.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::experiments {
 namespace {
@@ -144,9 +146,11 @@ struct MeasuredLaw {
   }
 
   double predicted_m(const ElasticLayer& layer, double load_N) const {
-    const Prediction found =
-        find_pressure_model("fingertip_layer")->predict(contact(layer, load_N));
-    return reading == Reading::radius ? found.a_m : found.torque_arm_exact_m;
+    const PressureModel& model = *find_pressure_model("fingertip_layer");
+    const ContactProblem problem = contact(layer, load_N);
+    const Prediction found = model.predict(problem);
+    if (reading != Reading::radius) return found.torque_arm_exact_m;
+    return rubbed(model, found, problem, std::numeric_limits<double>::infinity()).a_m;
   }
 };
 
@@ -156,6 +160,7 @@ Calibration calibrated(const MeasuredLaw& law, const std::array<double, 2>& load
   CalibrationProblem problem;
   problem.model = find_pressure_model("fingertip_layer");
   problem.free = {Parameter::youngs_modulus, Parameter::thickness};
+  problem.pressing = PressingFriction::stuck;  // as silicone does
   problem.start[index_of(Parameter::youngs_modulus)] = 3e5;
   problem.start[index_of(Parameter::thickness)] = law.data.radius_m / 10;
   problem.start[index_of(Parameter::poisson_ratio)] = law.poisson_ratio;

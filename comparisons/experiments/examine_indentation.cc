@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <limits>
+
 #include "comparisons/experiments/examine.h"
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/pressure/pressure_model.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::experiments {
 namespace {
@@ -19,7 +22,11 @@ void examine_indentation(const Indentation& data, Examined& examined) {
     problem.layer = {data.thickness_m, modulus_Pa, data.poisson_ratio};
     problem.load.normal_force_N = data.load_N;
     problem.is_object_spherical = true;
-    return model.predict(problem);
+    const Prediction found = model.predict(problem);
+    // A gel sticks to what is pressed into it.
+    return found.has_answer && knows_pressing_friction(model)
+               ? rubbed(model, found, problem, std::numeric_limits<double>::infinity())
+               : found;
   };
   std::string numbers;
   std::vector<std::string> excluded, possible;

@@ -17,6 +17,7 @@ CalibrationProblem press_problem(const PressCurves& data, const PressCurves::Cur
   CalibrationProblem problem;
   problem.model = find_pressure_model(model);
   problem.free = {Parameter::youngs_modulus, Parameter::zero};
+  problem.pressing = PressingFriction::stuck;  // as silicone does on a plate
   problem.start[index_of(Parameter::youngs_modulus)] = 1e5;
   problem.start[index_of(Parameter::thickness)] = data.thickness_m;
   problem.start[index_of(Parameter::poisson_ratio)] = data.poisson_ratio;

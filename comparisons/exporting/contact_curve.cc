@@ -47,6 +47,7 @@ LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& 
     adopt_errors(*in_time);
     answer = in_time->now;
   }
+  const Prediction& pressed = answer.pressed();
   const FrictionEllipsoid limit = answer.friction_ellipsoid(prediction::TorqueRule::exact);
   // Under Coulomb's law the coefficient is the case's own, to the last digit.
   const double friction = contact_case.shear_law.has_shear_strength()
@@ -55,9 +56,9 @@ LoadPoint ask(const input::Case& contact_case, const prediction::LocalGeometry& 
   return {load_N,
           friction,
           limit.eccentricity_m,
-          prediction.indentation_m,
-          prediction.a_m,
-          prediction.b_m,
+          pressed.indentation_m,
+          pressed.a_m,
+          pressed.b_m,
           answer.assessment->usable ? "" : judgement::reason_not_usable(answer, demand),
           *answer.assessment,
           inputs,
@@ -159,7 +160,7 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
     // A simulator's contact moves faster than rubber relaxes: the elastic contact of this size.
     const double size_N = curve.nominal.effective_load_N;
     const auto elastic_m = [&](double load_N) {
-      return prediction::ask_model(model, contact_case, nominal, load_N).prediction.indentation_m;
+      return prediction::ask_model(model, contact_case, nominal, load_N).pressed().indentation_m;
     };
     curve.normal_stiffness_N_per_m = normal_stiffness_N_per_m(
         size_N, elastic_m(size_N), elastic_m(size_N / kLoadStep), elastic_m(size_N * kLoadStep));

@@ -345,16 +345,23 @@ void read_contact(const TomlReader& reader, const toml::table& table, Case& resu
   result.shear_law = reader.shear_law(table, "[contact]");
 }
 
-/// A flat pad has its own.
+/// Rubber sticks while it is pressed: the default wherever friction is a coefficient. How a contact
+/// that creeps is rubbed is not known. Of two soft bodies that are alike nothing rubs.
+/// @pre the layers are read
 void read_pressing(const TomlReader& reader, const toml::table& table, Case& result) {
+  const bool is_coulomb = result.shear_law.kind == ShearLaw::Kind::coulomb;
   const toml::node* pressing = table.get("pressing");
-  if (!pressing) return;
+  if (!pressing) {
+    if (is_coulomb && !result.times.are_given() && !(result.object_layer.thickness_m > 0))
+      result.pressing = PressingFriction::coulomb;
+    return;
+  }
   const std::string typed = reader.choice(
       *pressing, "pressing", {kPressingFrictionNames.begin(), kPressingFrictionNames.end()});
   result.pressing = PressingFriction(
       std::find(kPressingFrictionNames.begin(), kPressingFrictionNames.end(), typed) -
       kPressingFrictionNames.begin());
-  if (result.pressing != PressingFriction::none && result.shear_law.kind != ShearLaw::Kind::coulomb)
+  if (result.pressing != PressingFriction::none && !is_coulomb)
     reader.refuse(*pressing, "pressing", "\"frictionless\" with another shear law than Coulomb's");
   if (result.pressing != PressingFriction::none && result.times.are_given())
     reader.refuse(*pressing, "pressing", "\"frictionless\" with relaxation or history");
@@ -468,14 +475,6 @@ void require_plain_pad(const TomlReader& reader, const toml::table& root) {
 }
 
 }  // namespace
-
-void refuse_pressing(const Case& contact_case, const std::string& command) {
-  if (contact_case.pressing == PressingFriction::none) return;
-  throw InputError(
-      contact_case.file.string(), "pressing",
-      std::string("\"") + name_of(contact_case.pressing) + "\"",
-      "\"frictionless\" for " + command + "; predict, fem and compare press with friction");
-}
 
 void refuse_pad(const Case& contact_case, const std::string& command) {
   if (!std::holds_alternative<PadPair>(contact_case.geometry)) return;

@@ -142,9 +142,6 @@ void settle_finger_shape(Case& contact_case);
 /// Whether a reader of cases can do with a flat pad. Most commands only know curved contacts.
 enum class FlatPads { refused, taken };
 
-/// @throws InputError that names the command, where the case's contact is pressed with friction
-void refuse_pressing(const Case& contact_case, const std::string& command);
-
 /// Whether a reader of cases knows time: `[layer] relaxation` and `[contact] history`.
 enum class Times { refused, taken };
 

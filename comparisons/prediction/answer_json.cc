@@ -125,7 +125,8 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
   const auto known = [&](double value) {
     return gradient.known ? text::finite_or_null(value) : nlohmann::json();
   };
-  result["normal_stiffness_N_per_m"] = known(gradient.normal_stiffness_N_per_m());
+  result["normal_stiffness_N_per_m"] = known(answer.rubbed ? pressed_stiffness_N_per_m(answer)
+                                                           : gradient.normal_stiffness_N_per_m());
   result["torsional_stiffness_Nm_per_rad"] = known(gradient.stuck.torsional_Nm_per_rad);
   result["tangential_stiffness_N_per_m"] = {known(gradient.stuck.tangential_x_N_per_m),
                                             known(gradient.stuck.tangential_y_N_per_m)};

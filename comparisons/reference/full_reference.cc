@@ -22,8 +22,6 @@ bool can_be_curved(const input::Case& contact_case) {
 bool needs_finite_strain(const input::Case& contact_case,
                          const prediction::GeometryResolver& geometry,
                          std::optional<double> approach_m) {
-  // Friction while it is pressed is known in linear elasticity only.
-  if (contact_case.pressing != PressingFriction::none) return false;
   if (approach_m && *approach_m > negligible_strain * contact_case.layer.thickness_m) return true;
   const double load_N = *std::max_element(contact_case.loads_N.begin(), contact_case.loads_N.end());
   const prediction::GeometryResolver resolver(contact_case, &geometry);

@@ -262,7 +262,7 @@ std::string reference_row(const Comparison& load) {
 
 std::string model_row(const Comparison& load, const ModelComparison& model, bool usable) {
   const prediction::ModelAnswer& answer = model.answer;
-  const Prediction& p = answer.prediction;
+  const Prediction& p = answer.pressed();
   const FrictionEllipsoid exact = answer.friction_ellipsoid(TorqueRule::exact);
   std::string numbers =
       p.has_answer
@@ -355,7 +355,7 @@ json results_json(const Comparison& load, double tolerance) {
   const judgement::LoadErrors errors = judgement::errors_of(load);
   for (std::size_t i = 0; i < load.models.size(); ++i) {
     const prediction::ModelAnswer& answer = load.models[i].answer;
-    const Prediction& p = answer.prediction;
+    const Prediction& p = answer.pressed();
     const auto number = [&](double value) { return p.has_answer ? finite_or_null(value) : json(); };
     const FrictionEllipsoid limit = answer.friction_ellipsoid(TorqueRule::exact);
     results.push_back({{"case", load.contact_case->id},

@@ -240,7 +240,6 @@ Sweep::Sweep(const std::string& typed_text, const fs::path& path, const input::S
   root.erase("sweep");
   base_ = input::case_of(root, text, path);
   input::require_coulomb(base_, "sweep");
-  input::refuse_pressing(base_, "softfinger sweep");
   input::refuse_times(base_, "softfinger sweep");
 
   const std::vector<Entry> entries = entries_in_order(sweep);

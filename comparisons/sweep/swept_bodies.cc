@@ -55,7 +55,7 @@ class BodiesAtPoint : public ContactAtPoint {
     for (const PressureModel* model : models_) {
       const prediction::ModelAnswer answer =
           prediction::ask_model(*model, case_, geometry_, load_N);
-      const Prediction& prediction = answer.prediction;
+      const Prediction& prediction = answer.pressed();
       if (!prediction.has_answer) {
         text.append(6, ',');
         append_yes_or_no(false, text);

@@ -74,6 +74,31 @@ class FiniteContact : public ContactPhysics {
     return press_from(pressing_.get(), mesh);
   }
 
+  std::optional<Obstacle> rub() override {
+    if (problem_.pressing == PressingFriction::none) return std::nullopt;
+    Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> layer = make_layer(discretisation());
+    if (!layer) return layer.reason();
+    // Shear over pressure is below 1 where all sticks but in the last nodes before the edge.
+    constexpr double never_slips = 10;
+    const FrictionBound bound = problem_.pressing == PressingFriction::stuck
+                                    ? FrictionBound(never_slips)
+                                    : FrictionBound(law_.friction_coefficient);
+    pressing_->release_factor();
+    try {
+      rubbed_ =
+          press_rubbing(*layer, object_, bound, {task_.pressing.load, task_.pressing.approach});
+    } catch (const ConvergenceError& error) {
+      throw ConvergenceError("pressing with friction at finite strain", error.iteration(),
+                             error.residual(),
+                             "it bears this load without: pressing = \"frictionless\", whose "
+                             "largest torque is the same");
+    }
+    rubbed_->pressing->release_factor();
+    // The torque at full slip is that of the frictionless pressure under the same load.
+    if (task_.pressing.approach > 0) pressing_->press({rubbed_->pressing->equilibrium().load, 0});
+    return std::nullopt;
+  }
+
   RoughSize size() const override {
     const Equilibrium& found = as_pressed().equilibrium();
     return {found.moment_a,
@@ -109,44 +134,15 @@ class FiniteContact : public ContactPhysics {
 
   Outcome<Measurement, Unmeasured> measure() override {
     check_covered();
-    const MaterialChoice& surface =
-        problem_.sublayers.empty() ? *problem_.finite_strain : problem_.sublayers.front().material;
-    const auto measure_contact = [&](const FinitePressing& pressing) {
-      return finite::measure(pressing, task_.pressing.surface_modulus(), surface);
-    };
-    Outcome<DeformedContact, Unmeasured> measured = measure_contact(*pressing_);
+    Outcome<DeformedContact, Unmeasured> measured = measure(*pressing_);
     if (!measured) return measured.reason();
     contact_ = *std::move(measured);
-    DeformedContact as_pressed = contact_;
-    if (rubbed_) {
-      measured = measure_contact(*rubbed_->pressing);
-      if (!measured) return measured.reason();
-      as_pressed = *std::move(measured);
-    }
-    const Equilibrium& found = this->as_pressed().equilibrium();
-    Measurement measurement;
-    measurement.block_a = as_pressed.shape.block_a;
-    measurement.block_b = as_pressed.shape.block_b;
-    measurement.centre = as_pressed.centre;
-    measurement.residual = found.out_of_balance;
-    LevelResult& result = measurement.result;
-    result.elements_per_semi_axis = pressing_->layer().discretisation().elements_per_semi_axis;
-    result.unknowns = pressing_->layer().unknowns();
-    result.active_nodes = found.active;
-    result.iterations = pressing_->history().iterations;
-    set_shape(as_pressed.shape, h_, E_, result);
-    result.area_m2 = as_pressed.area * h_ * h_;
-    result.indentation_m = found.approach * h_;
-    result.load_N =
-        problem_.approach_m > 0 ? found.load * E_ * h_ * h_ : problem_.contact.load.normal_force_N;
-    result.torque_arm_m = contact_.torque_arm * h_;
-    result.pressure_arm_m = as_pressed.torque_arm * h_;
-    if (rubbed_) result.stick_share = rubbed_->stick_share;
-    set_largest_friction(result);
-    result.strain_energy_J = found.energy * E_ * h_ * h_ * h_;
-    const double load = task_.pressing.load;
-    result.load_residual = load > 0 ? std::abs(found.load / load - 1) : 0;
-    result.complementarity_residual = found.complementarity_residual;
+    if (!rubbed_) return measurement_of(*pressing_, contact_);
+    measured = measure(*rubbed_->pressing);
+    if (!measured) return measured.reason();
+    Measurement measurement = measurement_of(*rubbed_->pressing, *measured);
+    measurement.result.stick_share = rubbed_->stick_share;
+    measurement.frictionless = measurement_of(*pressing_, contact_).result;
     return measurement;
   }
 
@@ -221,28 +217,42 @@ class FiniteContact : public ContactPhysics {
     }
     pressing_ = std::move(pressing);
     rubbed_.reset();
-    std::optional<FoldedLayer> end = reached_end();
-    if (end) return *std::move(end);
-    if (problem_.pressing == PressingFriction::none || equilibrium().reaches_rim)
-      return std::nullopt;
-    return rub(mesh);
+    if (std::optional<FoldedLayer> end = reached_end()) return *std::move(end);
+    return std::nullopt;
   }
 
-  /// Presses the contact once more, with friction.
-  std::optional<Obstacle> rub(const LayerDiscretisation& mesh) {
-    Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> layer = make_layer(mesh);
-    if (!layer) return layer.reason();
-    // Shear over pressure is below 1 where all sticks but in the last nodes before the edge.
-    constexpr double never_slips = 10;
-    const FrictionBound bound = problem_.pressing == PressingFriction::stuck
-                                    ? FrictionBound(never_slips)
-                                    : FrictionBound(law_.friction_coefficient);
-    pressing_->release_factor();
-    rubbed_ = press_rubbing(*layer, object_, bound, {task_.pressing.load, task_.pressing.approach});
-    rubbed_->pressing->release_factor();
-    // The torque at full slip is that of the frictionless pressure under the same load.
-    if (task_.pressing.approach > 0) pressing_->press({rubbed_->pressing->equilibrium().load, 0});
-    return std::nullopt;
+  Outcome<DeformedContact, Unmeasured> measure(const FinitePressing& pressing) const {
+    const MaterialChoice& surface =
+        problem_.sublayers.empty() ? *problem_.finite_strain : problem_.sublayers.front().material;
+    return finite::measure(pressing, task_.pressing.surface_modulus(), surface);
+  }
+
+  /// @param contact  measured on that pressing
+  Measurement measurement_of(const FinitePressing& pressing, const DeformedContact& contact) const {
+    const Equilibrium& found = pressing.equilibrium();
+    Measurement measurement;
+    measurement.block_a = contact.shape.block_a;
+    measurement.block_b = contact.shape.block_b;
+    measurement.centre = contact.centre;
+    measurement.residual = found.out_of_balance;
+    LevelResult& result = measurement.result;
+    result.elements_per_semi_axis = pressing.layer().discretisation().elements_per_semi_axis;
+    result.unknowns = pressing.layer().unknowns();
+    result.active_nodes = found.active;
+    result.iterations = pressing_->history().iterations;
+    set_shape(contact.shape, h_, E_, result);
+    result.area_m2 = contact.area * h_ * h_;
+    result.indentation_m = found.approach * h_;
+    result.load_N =
+        problem_.approach_m > 0 ? found.load * E_ * h_ * h_ : problem_.contact.load.normal_force_N;
+    result.torque_arm_m = contact_.torque_arm * h_;
+    result.pressure_arm_m = contact.torque_arm * h_;
+    set_largest_friction(result);
+    result.strain_energy_J = found.energy * E_ * h_ * h_ * h_;
+    const double load = task_.pressing.load;
+    result.load_residual = load > 0 ? std::abs(found.load / load - 1) : 0;
+    result.complementarity_residual = found.complementarity_residual;
+    return measurement;
   }
 
   Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> make_layer(
@@ -491,7 +501,7 @@ class FiniteContact : public ContactPhysics {
   const Materials materials_;
   const std::shared_ptr<const RigidObject> object_;
   std::shared_ptr<FinitePressing> pressing_;  ///< without friction
-  std::optional<RubbedPressing> rubbed_;      ///< the same contact, pressed with friction
+  std::optional<RubbedPressing> rubbed_;      ///< the same contact, pressed with friction by `rub`
   int level_ = 0;                             ///< of that mesh
   DeformedContact contact_;                   ///< as measured last, of the frictionless one
   SurfaceSeries series_;

@@ -167,8 +167,9 @@ bool FinitePressing::try_step(const Drive& drive, bool limited, Equilibrium& rea
     response.stiffness = cosine.asDiagonal() * response.stiffness * cosine.asDiagonal();
     response.force = response.force.cwiseProduct(cosine);
     const auto solve = [&](const Drive& to) {
-      return solve_tangent_contact(response, gap, to.approach > 0 ? 0 : to.load / copies(),
-                                   to.approach, contact_force);
+      return solve_tangent_contact(response, Eigen::VectorXd::Ones(gap.size()), gap,
+                                   to.approach > 0 ? 0 : to.load / copies(), to.approach,
+                                   contact_force);
     };
     const double longest = kStretch * std::copysign(step_, drive.load - equilibrium_.load);
     const double farthest = equilibrium_.approach + longest;

@@ -10,6 +10,7 @@
 #include "fem/algebra/fixed_point.h"
 #include "fem/algebra/positive_definite.h"
 #include "fem/finite/deformed_contact.h"
+#include "fem/finite/tangent_contact.h"
 #include "fem/friction/coulomb_friction.h"
 #include "fem/friction/friction_study.h"
 #include "fem/layer/surface_frame.h"
@@ -79,14 +80,16 @@ struct FrictionalPressing::Tangent {
   Eigen::MatrixXd compliance;             ///< 2n x 2n, along the tangents, normals held
   Eigen::MatrixXd by_normal;              ///< 2n x n: tangential forces per normal displacement
   Eigen::MatrixXd lift;                   ///< n x 2n: normal forces per tangential one
-  Eigen::MatrixXd stiffness;              ///< n x n, of normal displacements, friction kept
+  SurfaceResponse normal_response;        ///< n, to normal displacements, friction kept
+  ReleasedFactor released;                ///< of that, unshifted
   StickSlipFactor stick_slip;
 
-  /// Added to the diagonal of `stiffness` where that has to be positive definite. It shortens the
-  /// steps and vanishes with them: the state that they lead to is the same.
+  /// Added to the stiffness along the load, on its diagonal, where it has to be positive definite.
+  /// It shortens the steps and vanishes with them: the state that they lead to is the same.
   double shift = 0;
 
   void stabilise() {
+    const Eigen::MatrixXd& stiffness = normal_response.stiffness;
     const double enough = stiffness.norm();
     for (shift = 1e-2 * stiffness.diagonal().maxCoeff(); shift < enough; shift *= 2) {
       Eigen::MatrixXd shifted = stiffness;
@@ -115,7 +118,7 @@ struct FrictionalPressing::Tangent {
     compliance(movable, movable) = of_movable;
     by_normal = of_surface(tangential, normal);
     lift = by_normal.transpose() * compliance;
-    stiffness = of_surface(normal, normal) - lift * by_normal;
+    normal_response.stiffness = of_surface(normal, normal) - lift * by_normal;
     return true;
   }
 };
@@ -317,7 +320,7 @@ FrictionalPressing::SurfaceStep FrictionalPressing::settle_surface(
     const std::vector<Touch>& touching, const Eigen::VectorXd& rest, const Rub& rub) const {
   constexpr int most_turns = 40;
   constexpr double settled = 3e-5;  // of pressure and friction, relative to the load
-  const Tangent& tangent = *tangent_;
+  Tangent& tangent = *tangent_;
   const Index count = force_.cols();
   const Eigen::VectorXd rest_t = rest(tangent.tangential), rest_n = rest(tangent.normal);
   Eigen::VectorXd gap(count), cosine(count), up(2 * count), friction(2 * count);
@@ -328,26 +331,29 @@ FrictionalPressing::SurfaceStep FrictionalPressing::settle_surface(
     up.segment<2>(2 * i) = touch.frame.axes.row(2).head<2>().transpose();
     friction.segment<2>(2 * i) = force_.col(i).head<2>();
   }
-  Eigen::VectorXd along_load = force_.row(2).transpose().cwiseProduct(cosine);
-  SurfaceResponse response;
-  response.stiffness = cosine.asDiagonal() * tangent.stiffness * cosine.asDiagonal();
-  response.stiffness.diagonal().array() += tangent.shift;
-  Eigen::VectorXd normal_force, sunk, free;
+  SurfaceResponse shifted;
+  ReleasedFactor of_shifted;
+  if (tangent.shift > 0) {
+    shifted.stiffness = tangent.normal_response.stiffness;
+    shifted.stiffness.diagonal() += tangent.shift * cosine.cwiseAbs2().cwiseInverse();
+  }
+  SurfaceResponse& response = tangent.shift > 0 ? shifted : tangent.normal_response;
+  ReleasedFactor& released = tangent.shift > 0 ? of_shifted : tangent.released;
+  Eigen::VectorXd normal_force = force_.row(2).transpose(), sunk, free;
   SurfaceStep result;
   const double largest = bound_.of(pressed_force_.row(2).transpose()).sum();
   FixedPoint settling;
-  ReleasedFactor released;
   for (int turn = 0; turn < most_turns && !result.is_settled; ++turn) {
-    response.force = cosine.cwiseProduct(rest_n - tangent.lift * (friction + rest_t));
+    response.force = rest_n - tangent.lift * (friction + rest_t);
     const TangentContact contact =
         drive_.approach > 0
-            ? solve_tangent_contact(response, gap, 0, drive_.approach, along_load, &released)
-            : solve_tangent_contact(response, gap, drive_.load + up.dot(friction), 0, along_load,
-                                    &released);
-    along_load = contact.force;
+            ? solve_tangent_contact(response, cosine, gap, 0, drive_.approach, normal_force,
+                                    &released)
+            : solve_tangent_contact(response, cosine, gap, drive_.load + up.dot(friction), 0,
+                                    normal_force, &released);
+    normal_force = contact.force;
+    sunk = contact.displacement;
     result.approach = contact.approach;
-    normal_force = along_load.cwiseQuotient(cosine);
-    sunk = contact.displacement.cwiseProduct(cosine);
     free = tangent.compliance * (rest_t - tangent.by_normal * sunk);
     Eigen::VectorXd rubbed = friction;
     rub({touching, normal_force, stuck_target(touching, result.approach) - free,
@@ -399,6 +405,11 @@ void FrictionalPressing::press_to(const Drive& drive) {
   if (drive.approach > 0 && drive_.approach == 0) drive_ = {0, approach_};
   const Drive start = drive_;
   const Drive end{drive.load / layer_->planes().images(), drive.approach};
+  // The load steps before point to this one, along a parabola where there are two.
+  pressed_to_.insert(pressed_to_.begin(), {kept_state_, kept_force_, kept_approach_});
+  if (pressed_to_.size() > 3) pressed_to_.pop_back();
+  if (pressed_to_.size() == 3) start_from(pressed_to_, Eigen::Vector3d(3, -3, 1));
+  if (pressed_to_.size() == 2) start_from(pressed_to_, Eigen::Vector2d(2, -1));
   double length = 1;
   const double reached = advance(length, 1.0 / 8, 1, [&](double share, bool) {
     drive_ = {start.load + share * (end.load - start.load),

@@ -177,6 +177,7 @@ class FrictionalPressing {
   double kept_approach_ = 0;
   PlaneMotion kept_motion_;
 
+  std::vector<State> pressed_to_;  ///< ends of the latest load steps, latest first
   std::unique_ptr<Tangent> tangent_;
   std::optional<Slide> slide_;  ///< that the present state is in
   std::vector<Slid> slid_;      ///< the first one without friction

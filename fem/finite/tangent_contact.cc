@@ -24,9 +24,9 @@ void factorise(const Eigen::MatrixXd& stiffness, const ActiveSet& set, ReleasedF
 
 }  // namespace
 
-TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eigen::VectorXd& gap,
-                                     double load, double approach, const Eigen::VectorXd& start,
-                                     ReleasedFactor* kept) {
+TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eigen::VectorXd& cosine,
+                                     const Eigen::VectorXd& gap, double load, double approach,
+                                     const Eigen::VectorXd& start, ReleasedFactor* kept) {
   const Index count = gap.size();
   ReleasedFactor own;
   ReleasedFactor& factor = kept ? *kept : own;
@@ -38,7 +38,7 @@ TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eige
     const auto touching_count = static_cast<Index>(touching.size());
     // Displacements and forces per approach (first column) and at approach 0 (second).
     Eigen::MatrixXd prescribed(touching_count, 2);
-    prescribed << Eigen::VectorXd::Ones(touching_count), -gap(touching);
+    prescribed << cosine(touching), -gap(touching).cwiseProduct(cosine(touching));
     Eigen::MatrixXd released(static_cast<Index>(free.size()), 2);
     Eigen::MatrixXd forces = factor.of_touching * prescribed;
     if (!free.empty()) {
@@ -48,7 +48,10 @@ TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eige
       forces += factor.free_by_touching.transpose() * released;
     }
     forces.col(1) -= response.force(touching);
-    if (load > 0) approach = (load - forces.col(1).sum()) / forces.col(0).sum();
+    if (load > 0) {
+      const Eigen::Vector2d along_load = forces.transpose() * cosine(touching);
+      approach = (load - along_load[1]) / along_load[0];
+    }
     const Eigen::Vector2d scale(approach, 1);
     contact.approach = approach;
     contact.force = contact.displacement = Eigen::VectorXd::Zero(count);
@@ -56,7 +59,8 @@ TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eige
     contact.displacement(touching) = prescribed * scale;
     if (!free.empty()) contact.displacement(free) = released * scale;
     contact.active = static_cast<int>(touching.size());
-    const Eigen::VectorXd clearance = (contact.displacement + gap).array() - approach;
+    const Eigen::VectorXd clearance =
+        (contact.displacement.cwiseQuotient(cosine) + gap).array() - approach;
     // The scale of the clearances contains the smallest gap, not the largest. A node beside the
     // object has a gap of 1e3, whose round-off is far larger than that of the other nodes.
     if (!set.improve(contact.force, clearance, contact.force.cwiseAbs().maxCoeff(),

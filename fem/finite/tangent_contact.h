@@ -29,17 +29,18 @@ struct ReleasedFactor {
   Eigen::PartialPivLU<Eigen::MatrixXd> factor;
 };
 
-/// Solves w >= approach - gap, f >= 0, f (w - approach + gap) = 0 by a primal-dual active set, with
-/// the approach given, or eliminated by sum f = load. Only the free nodes' block of the stiffness
-/// is factorised. Any consistent units.
+/// Solves w >= cosine (approach - gap), f >= 0, f (w - cosine (approach - gap)) = 0 by a
+/// primal-dual active set, with the approach given, or eliminated by sum(cosine f) = load. Only the
+/// free nodes' block of the stiffness is factorised. Any consistent units.
 ///
-/// @param gap    n, any origin
-/// @param load   <= 0: the approach is given
-/// @param start  n forces, > 0 on the nodes that likely touch; all zero where unknown
-/// @param kept   of an earlier problem with the same stiffness; replaced; may be null
+/// @param cosine  n, > 0, of the angle between a node's displacement and the approach
+/// @param gap     n, along the approach, any origin
+/// @param load    <= 0: the approach is given
+/// @param start   n forces, > 0 on the nodes that likely touch; all zero where unknown
+/// @param kept    of an earlier problem with the same stiffness; replaced; may be null
 /// @throws ConvergenceError when the set still changes after 200 steps
-TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eigen::VectorXd& gap,
-                                     double load, double approach, const Eigen::VectorXd& start,
-                                     ReleasedFactor* kept = nullptr);
+TangentContact solve_tangent_contact(const SurfaceResponse& response, const Eigen::VectorXd& cosine,
+                                     const Eigen::VectorXd& gap, double load, double approach,
+                                     const Eigen::VectorXd& start, ReleasedFactor* kept = nullptr);
 
 }  // namespace softfinger::fem::finite

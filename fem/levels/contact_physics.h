@@ -44,6 +44,8 @@ struct Measurement {
   double block_a = 0, block_b = 0;  ///< semi-axes along the surface, in h, for the next mesh
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< of the pressure, across the load, in h
   double residual = 0;  ///< worst of the equilibrium's and the contact's, relative
+  /// The answer without friction while pressing, where `result` has it by `rub`.
+  std::optional<LevelResult> frictionless;
 };
 
 /// The load was not reached on a mesh, which may be far too wide and coarse for it.
@@ -102,6 +104,12 @@ class ContactPhysics {
   ///          press again
   /// @throws InputError, ConvergenceError, NotEnoughMemory
   virtual std::optional<Obstacle> press(const LayerDiscretisation& mesh, int level) = 0;
+
+  /// Presses the contact once more, with friction, on a mesh that bore it without. Physics for
+  /// which that costs much leave it to the levels: trial meshes, other walls and other readings of
+  /// a scan are compared without friction.
+  /// @throws InputError, ConvergenceError, NotEnoughMemory
+  virtual std::optional<Obstacle> rub() { return std::nullopt; }
 
   virtual RoughSize size() const = 0;
 

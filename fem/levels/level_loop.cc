@@ -77,7 +77,7 @@ class LevelLoop {
     if (!wall_is_near(measured_on_)) return solve_finer_level();
     // The finer level does not depend on the wall, so both can be solved side by side.
     const auto press_other = physics_.press_other();
-    const LevelResult free = solved_.coarse();
+    const LevelResult free = compared_;
     const LayerDiscretisation mesh =
         physics_.shares_meshes() ? physics_.discretisation() : measured_on_;
     // The finer level may lay a scan's layer anew.
@@ -132,6 +132,7 @@ class LevelLoop {
         throw ConvergenceError("size of the refined patch", level, size.a / mesh_.a,
                                "the contact outgrew the patch on refinement");
     }
+    if (const auto obstacle = physics_.rub()) return unsolved_by(*obstacle);
     Outcome<Measurement, Unmeasured> found = physics_.measure();
     if (!found && found.reason().outgrew_patch) {
       // The outline passes beside the cells that were made for it.
@@ -139,6 +140,7 @@ class LevelLoop {
       task_.progress(
           formatted("level %d: the contact is not where its mesh is; a larger one", level));
       if (const auto obstacle = grow_mesh(level)) return unsolved_by(*obstacle);
+      if (const auto obstacle = physics_.rub()) return unsolved_by(*obstacle);
       found = physics_.measure();
     }
     if (!found) throw found.reason().error;
@@ -210,6 +212,7 @@ class LevelLoop {
     result.cpu_s = watch.cpu_seconds();
     tell(found);
     solved_.results.push_back(result);
+    compared_ = found.frictionless.value_or(result);
     solved_.misfit = std::max(solved_.misfit, misfit(mesh_, found.block_a, found.block_b));
     measured_on_ = mesh_;
     fit_to(found.block_a, found.block_b, mesh_);
@@ -234,8 +237,19 @@ class LevelLoop {
             solved_.results.front().elements_per_semi_axis)
       throw Interrupted();
     solved_.interrupted = true;
-    solved_.results.insert(solved_.results.begin(), trial_.contact.result);
+    solved_.results.insert(solved_.results.begin(), trial_as_rubbed());
     task_.progress(formatted("stopped: the answer is that of level %d", level));
+  }
+
+  /// The trial's answer, changed by friction as the finished level was.
+  LevelResult trial_as_rubbed() const {
+    LevelResult result = trial_.contact.result;
+    for (const auto quantity :
+         {&LevelResult::a_m, &LevelResult::b_m, &LevelResult::area_projected_m2,
+          &LevelResult::area_m2, &LevelResult::indentation_m, &LevelResult::peak_pressure_Pa,
+          &LevelResult::centre_pressure_Pa, &LevelResult::pressure_arm_m, &LevelResult::load_N})
+      result.*quantity *= solved_.fine().*quantity / compared_.*quantity;
+    return result;
   }
 
   ContactPhysics& physics_;
@@ -246,6 +260,7 @@ class LevelLoop {
   int level_refinement_ = 1;
   double room_ = 1;                  ///< of the patch, over that of the usual one
   LayerDiscretisation measured_on_;  ///< mesh of the last level
+  LevelResult compared_;             ///< of the last level, pressed as trials and other walls are
   std::optional<FrictionPlan> plan_;
   SolvedLevels solved_;
 };

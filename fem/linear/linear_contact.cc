@@ -125,7 +125,7 @@ class LinearContact : public ContactPhysics {
     rubbed_.reset();
     if (task_.problem.pressing == PressingFriction::none || pressed_.reaches_rim)
       return std::nullopt;
-    if (std::optional<FoldedLayer> obstacle = rub()) return *obstacle;
+    if (std::optional<FoldedLayer> obstacle = press_with_friction()) return *obstacle;
     return std::nullopt;
   }
 
@@ -270,7 +270,7 @@ class LinearContact : public ContactPhysics {
   const Pressed& frictionless() const { return frictionless_ ? *frictionless_ : pressed_; }
 
   /// Presses the contact once more with friction.
-  std::optional<FoldedLayer> rub() {
+  std::optional<FoldedLayer> press_with_friction() {
     PressedContact start{*pressed_.model,   pressed_.gap,      pressed_.contact.force,
                          pressed_.moment_a, pressed_.moment_b, pressed_.load(),
                          pressing_law()};

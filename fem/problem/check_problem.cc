@@ -47,15 +47,9 @@ void check_load(const Problem& problem) {
   if (law.has_shear_strength())
     require_positive(problem, law.shear_strength_Pa, "shear_strength_Pa");
   if (problem.pressing == PressingFriction::none) return;
-  const char* const pressing = name_of(problem.pressing);
   if (law.kind != ShearLaw::Kind::coulomb)
-    throw InputError(problem.name, "pressing", pressing,
+    throw InputError(problem.name, "pressing", name_of(problem.pressing),
                      formatted("\"frictionless\" where the shear law is \"%s\"", law.name()));
-  if (problem.finite_strain && problem.friction.torsion)
-    throw InputError(problem.name, "friction.torsion", "true",
-                     formatted("false with pressing = \"%s\" at finite strain: a twist is solved "
-                               "from frictionless pressing there, whose largest torque is the same",
-                               pressing));
 }
 
 void check_radii(const Problem& problem) {

@@ -69,7 +69,11 @@ TEST(Case, SaysHowItIsPressed) {
   const auto with = [](const std::string& keys) {
     return input::parse_case(replaced("friction_coefficient = 0.8", keys), "example.toml");
   };
-  EXPECT_EQ(with("friction_coefficient = 0.8").pressing, PressingFriction::none);
+  EXPECT_EQ(with("friction_coefficient = 0.8").pressing, PressingFriction::coulomb);
+  EXPECT_EQ(with("friction_coefficient = 0.8\npressing = \"frictionless\"").pressing,
+            PressingFriction::none);
+  EXPECT_EQ(with("shear_law = \"shear_strength\"\nshear_strength_kPa = 9").pressing,
+            PressingFriction::none);
   const input::Case coulomb = with("friction_coefficient = 0.8\npressing = \"coulomb\"");
   EXPECT_EQ(coulomb.pressing, PressingFriction::coulomb);
   EXPECT_EQ(coulomb.pressed_friction_coefficient(), 0.8);
@@ -80,8 +84,6 @@ TEST(Case, SaysHowItIsPressed) {
                     "pressing = \"stuck\""),
                InputError)
       << "another law";
-  EXPECT_THROW(input::refuse_pressing(coulomb, "softfinger sweep"), InputError);
-  EXPECT_NO_THROW(input::refuse_pressing(with("friction_coefficient = 0.8"), "softfinger sweep"));
 }
 
 TEST(Case, PressesWithFrictionAtFiniteStrainToo) {

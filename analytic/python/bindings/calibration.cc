@@ -72,8 +72,8 @@ std::vector<Curve> curves_of(const CalibrationProblem& problem, const Calibratio
       asked.values.push_back({MeasuredQuantity(quantity), i, 1, 0});
   Eigen::VectorXd logs;
   Eigen::MatrixXd slopes;
-  PredictedMeasurements{*problem.model, asked, problem.shear_law}.evaluate(found.values, logs,
-                                                                           &slopes);
+  PredictedMeasurements{*problem.model, asked, problem.shear_law, problem.pressing}.evaluate(
+      found.values, logs, &slopes);
   const double t = statistics::student_quantile(0.05, found.freedom);
   std::vector<Curve> curves;
   for (Eigen::Index i = 0; i < logs.size(); ++i) {

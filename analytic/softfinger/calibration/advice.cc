@@ -165,8 +165,8 @@ double root_mean_square(const PredictedMeasurements& predicted, const ParameterV
 Comparison compare(const CalibrationProblem& problem, const Calibration& calibration) {
   Comparison result{problem.model, problem.shear_law, problem.free, {}, 0, 0};
   const Reduced all = reduced(problem, calibration, kNoLimit_N);
-  const PredictedMeasurements predicted{*problem.model, all.problem.measurements,
-                                        problem.shear_law};
+  const PredictedMeasurements predicted{*problem.model, all.problem.measurements, problem.shear_law,
+                                        problem.pressing};
   const bool has_thickness = contains(problem.free, Parameter::thickness);
   const Fit fit =
       fit_of(LeastSquares(predicted, all.weights, has_thickness), problem.start, problem.free);
@@ -186,11 +186,12 @@ Comparison compare(const CalibrationProblem& problem, const Calibration& calibra
   for (const Measurement& measurement : all.problem.measurements.values)
     if (load_N(problem, measurement) >= split_N) upper.values.push_back(measurement);
   if (lower.weights.size() <= problem.free.size() || upper.values.empty()) return result;
-  const PredictedMeasurements below{*problem.model, lower.problem.measurements, problem.shear_law};
+  const PredictedMeasurements below{*problem.model, lower.problem.measurements, problem.shear_law,
+                                    problem.pressing};
   const Fit from_below =
       fit_of(LeastSquares(below, lower.weights, has_thickness), fit.values, problem.free);
-  result.held_out_error =
-      root_mean_square({*problem.model, upper, problem.shear_law}, from_below.values);
+  result.held_out_error = root_mean_square(
+      {*problem.model, upper, problem.shear_law, problem.pressing}, from_below.values);
   return result;
 }
 
@@ -203,7 +204,8 @@ void sort_by_aic(std::vector<Comparison>& comparisons) {
 /// J^T J of the measurements that count and of the limit of compression, as the fit has it, in the
 /// coordinates of the parameters.
 Eigen::MatrixXd information(const CalibrationProblem& problem, const Calibration& calibration) {
-  const PredictedMeasurements predicted{*problem.model, problem.measurements, problem.shear_law};
+  const PredictedMeasurements predicted{*problem.model, problem.measurements, problem.shear_law,
+                                        problem.pressing};
   std::vector<Weight> weights = calibration.weights;
   for (const std::size_t outlier : calibration.outliers) weights[outlier].counts = false;
   const Eigen::MatrixXd slopes =
@@ -385,7 +387,8 @@ NextMeasurement next_measurement(const CalibrationProblem& problem,
       if (is_frictional(MeasuredQuantity(quantity)) && !measures_friction(problem)) continue;
       further.values.push_back({MeasuredQuantity(quantity), contact, 1, std});
     }
-  const PredictedMeasurements predicted{*problem.model, further, problem.shear_law};
+  const PredictedMeasurements predicted{*problem.model, further, problem.shear_law,
+                                        problem.pressing};
   const std::vector<Weight> weights(further.values.size(), Weight{std, true, 0, true});
   const Eigen::MatrixXd slopes =
       LeastSquares(predicted, weights, false).jacobian(calibration.values, problem.free);

@@ -66,7 +66,7 @@ class Calibrator {
  public:
   explicit Calibrator(const CalibrationProblem& problem)
       : problem_(problem),
-        predicted_{*problem.model, problem.measurements, problem.shear_law},
+        predicted_{*problem.model, problem.measurements, problem.shear_law, problem.pressing},
         squares_(predicted_, weights_, contains(problem.free, Parameter::thickness)) {
     const auto& values = problem.measurements.values;
     weights_.resize(values.size());

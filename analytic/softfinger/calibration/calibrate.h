@@ -13,6 +13,7 @@ struct CalibrationProblem {
   const PressureModel* model = nullptr;
   Measurements measurements;
   ShearLaw::Kind shear_law = ShearLaw::Kind::coulomb;
+  PressingFriction pressing = PressingFriction::none;  ///< as of PredictedMeasurements
   std::vector<Parameter> free;  ///< what to find; the others stay as in `start`
   ParameterValues start{};      ///< every parameter
 };

@@ -58,12 +58,13 @@ std::array<double, kMeasuredQuantities> errors_above_half(const CalibrationProbl
     weights.push_back(calibration.weights[i]);
   }
   if (weights.size() <= problem.free.size() || upper.values.empty()) return errors;
-  const PredictedMeasurements below{*problem.model, lower.measurements, problem.shear_law};
+  const PredictedMeasurements below{*problem.model, lower.measurements, problem.shear_law,
+                                    problem.pressing};
   const Fit fit = LeastSquares(below, weights, contains(problem.free, Parameter::thickness))
                       .solve(calibration.values, problem.free);
   Eigen::VectorXd logs;
-  PredictedMeasurements{*problem.model, upper, problem.shear_law}.evaluate(fit.values, logs,
-                                                                           nullptr);
+  PredictedMeasurements{*problem.model, upper, problem.shear_law, problem.pressing}.evaluate(
+      fit.values, logs, nullptr);
   for (std::size_t i = 0; i < upper.values.size(); ++i) {
     double& error = errors[std::size_t(upper.values[i].quantity)];
     const double predicted = std::exp(std::min(logs[Eigen::Index(i)], 300.));
@@ -89,7 +90,7 @@ double scatter_of(const CalibrationProblem& problem, const Calibration& calibrat
 
 std::vector<Forecast> forecast(const CalibrationProblem& problem, const Calibration& calibration,
                                const Measurements& asked) {
-  const PredictedMeasurements predicted{*problem.model, asked, problem.shear_law};
+  const PredictedMeasurements predicted{*problem.model, asked, problem.shear_law, problem.pressing};
   Eigen::VectorXd logs;
   Eigen::MatrixXd slopes;
   predicted.evaluate(calibration.values, logs, &slopes);

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "softfinger/friction/shear_limit.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/pressure/equivalent_exponent.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger {
 namespace {
@@ -112,6 +114,57 @@ ContactLogarithms contact_logarithms(const PressureModel& model,
   if (problem.options.power_law.radius_coefficient > 0)
     add_power_law_slopes(model, problem, result);
   return result;
+}
+
+/// Changes semi-axes and indentation to those of pressing with friction. The arm of the largest
+/// torque stays. Slopes by central differences of the ratios, right to 1e-8.
+void press_with_friction(const PressureModel& model, const ContactProblem& problem,
+                         PressingFriction pressing, bool with_slopes,
+                         ContactLogarithms& contact) noexcept {
+  if (pressing == PressingFriction::none || !contact.a.exists() || !contact.b.exists() ||
+      !contact.indentation.exists() || !knows_pressing_friction(model))
+    return;
+  // The logarithms of size and strain over the thickness, nu, and the logarithm of mu.
+  using Point = std::array<double, 4>;
+  const double log_thickness = std::log(problem.layer.thickness_m);
+  const double mu = pressing == PressingFriction::stuck ? std::numeric_limits<double>::infinity()
+                                                        : problem.load.friction_coefficient;
+  const Point here = {(contact.a.value + contact.b.value) / 2 - log_thickness,
+                      contact.indentation.value - log_thickness, problem.layer.poisson_ratio,
+                      std::log(mu)};
+  const auto ratios_at = [&](const Point& at) {
+    return rubbed_ratios(at[2], std::exp(at[0]), std::exp(at[3]),
+                         model.card().finite_strain ? std::exp(at[1]) : 0);
+  };
+  const auto change = [&](double RubbedRatios::*ratio) {
+    LogNumber result = LogNumber::of(ratios_at(here).*ratio);
+    if (!with_slopes) return result;
+    constexpr double kStep = 1e-5;
+    const auto slope = [&](std::size_t coordinate) {
+      Point above = here, below = here;
+      above[coordinate] += kStep;
+      below[coordinate] -= kStep;
+      // Nothing is known beyond nu = 1/2.
+      if (coordinate == 2) above[2] = std::min(above[2], 0.5);
+      if (coordinate == 2) below[2] = std::max(below[2], 0.);
+      return std::log(ratios_at(above).*ratio / (ratios_at(below).*ratio)) /
+             (above[coordinate] - below[coordinate]);
+    };
+    const double by_size = slope(0), by_strain = slope(1);
+    for (std::size_t i = 0; i < kParameters; ++i)
+      result.slope[i] = by_size * (contact.a.slope[i] + contact.b.slope[i]) / 2 +
+                        by_strain * contact.indentation.slope[i];
+    result.by(Parameter::thickness) -= by_size + by_strain;
+    result.by(Parameter::poisson_ratio) += slope(2);
+    if (pressing == PressingFriction::coulomb)
+      result.by(Parameter::friction_coefficient) = slope(3);
+    return result;
+  };
+  const LogNumber size = change(&RubbedRatios::size);
+  const LogNumber indentation = change(&RubbedRatios::indentation);
+  contact.a = product(contact.a, size);
+  contact.b = product(contact.b, size);
+  contact.indentation = product(contact.indentation, indentation);
 }
 
 /// The largest force or torque under the law, on the ellipse with a pressure that has the contact's
@@ -241,9 +294,12 @@ void PredictedMeasurements::evaluate(const ParameterValues& values, Eigen::Vecto
   log_values.resize(Eigen::Index(count));
   if (log_slopes) log_slopes->resize(Eigen::Index(count), Eigen::Index(kParameters));
   std::vector<ContactLogarithms> contacts(measurements.contacts.size());
-  for (std::size_t i = 0; i < contacts.size(); ++i)
-    contacts[i] = log_slopes ? contact_logarithms(model, problem(i, values))
-                             : contact_logarithms_alone(model, problem(i, values));
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const ContactProblem contact = problem(i, values);
+    contacts[i] =
+        log_slopes ? contact_logarithms(model, contact) : contact_logarithms_alone(model, contact);
+    press_with_friction(model, contact, pressing, log_slopes != nullptr, contacts[i]);
+  }
   for (std::size_t i = 0; i < count; ++i) {
     const Measurement& measurement = measurements.values[i];
     const LogNumber number = predicted(

@@ -4,6 +4,7 @@
 
 #include "softfinger/calibration/measurement.h"
 #include "softfinger/calibration/parameter.h"
+#include "softfinger/input/pressing_friction.h"
 #include "softfinger/input/shear_law.h"
 #include "softfinger/pressure/pressure_model.h"
 
@@ -14,6 +15,8 @@ struct PredictedMeasurements {
   const PressureModel& model;
   const Measurements& measurements;
   ShearLaw::Kind shear_law = ShearLaw::Kind::coulomb;
+  /// Friction while pressing, which a, b, area and indentation answer where the model knows it.
+  PressingFriction pressing = PressingFriction::none;
 
   /// The contact with these parameters in place of its own.
   ContactProblem problem(std::size_t contact, const ParameterValues& values) const noexcept;
