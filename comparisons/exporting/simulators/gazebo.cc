@@ -72,7 +72,11 @@ Simulator gazebo_simulator() {
        "with use_patch_radius false the radius is sqrt(surface_radius depth) with the solver's "
        "penetration depth, which is not an elastic indentation",
        "force and torque have separate limits: at 0.6 mu P the torque is 25 % above the ellipsoid; "
-       "each contact point adds a torque of its own"}};
+       "each contact point adds a torque of its own"},
+      "Gazebo Classic 11 (gazebo/physics/ode/ODEPhysics.cc, deps/opende/src/joints/contact.cpp)",
+      "It goes into surface, contact, ode, kp = {k}, with a kd of both surfaces' sum, for each "
+      "contact point; there is no stiffness about the normal.",
+      kXmlComment};
 }
 
 }  // namespace softfinger::exporting

@@ -1,0 +1,45 @@
+#include <fmt/format.h>
+
+#include "comparisons/exporting/simulator.h"
+
+/// Comment lines that every export ends with. The page of `softfinger explore` compiles this file
+/// too.
+namespace softfinger::exporting {
+namespace {
+
+std::string replaced(std::string text, std::string_view mark, double value) {
+  for (std::size_t at; (at = text.find(mark)) != std::string::npos;)
+    text.replace(at, mark.size(), fmt::format("{:.4g}", value));
+  return text;
+}
+
+/// @param points  the number of contact points that share the normal stiffness
+Lines remarked(Lines lines, const Simulator& simulator, const SoftContact& contact, int points) {
+  const std::string about_the_normal =
+      contact.torsional_stiffness_Nm_per_rad > 0
+          ? fmt::format(", about the normal {:.4g} N m/rad before it slips",
+                        contact.torsional_stiffness_Nm_per_rad)
+          : std::string();
+  const std::string place = replaced(replaced(std::string(simulator.stiffness_place), "{k}",
+                                              contact.normal_stiffness_N_per_m / points),
+                                     "{r}", contact.eccentricity_m);
+  const auto [open, close] = simulator.comment;
+  lines.text += fmt::format(
+      "{0}The model's stiffness is dP/dd {2:.4g} N/m{3}; it has no damping. {4}{1}\n"
+      "{0}The law was read in {5}.{1}\n",
+      open, close, contact.normal_stiffness_N_per_m, about_the_normal, place,
+      simulator.checked_against);
+  return lines;
+}
+
+}  // namespace
+
+Lines point_lines(const Simulator& simulator, const SoftContact& contact) {
+  return remarked(simulator.lines(contact), simulator, contact, 1);
+}
+
+Lines box_lines(const Simulator& simulator, const SoftContact& contact) {
+  return remarked(simulator.box_lines(contact), simulator, contact, 4);
+}
+
+}  // namespace softfinger::exporting
