@@ -182,10 +182,13 @@ TEST(Exporting, IsaacLabHasTheSameTorqueWithNewtonAndTheModelsStiffness) {
 // s_0 mu_1 + s_1 mu_0.
 TEST(Exporting, GazeboSimsBulletHasTheTorqueByBulletsRuleForPairs) {
   const Lines lines = lines_for(gz_sim());
-  const double spinning_m =
-      value(lines, "bullet_spinning_friction_m") * value(lines, "bullet_object_sliding_friction") +
-      value(lines, "bullet_object_spinning_friction_m") * value(lines, "sliding_friction");
+  const double sliding = value(lines, "bullet_sliding_friction"),
+               object_sliding = value(lines, "bullet_object_sliding_friction");
+  const double spinning_m = value(lines, "bullet_spinning_friction_m") * object_sliding +
+                            value(lines, "bullet_object_spinning_friction_m") * sliding;
   EXPECT_NEAR(spinning_m * kLoad_N / hertz_curve().nominal.max_torque_Nm(), 1, kRoundOff);
+  // The plugin also scales the friction's directions by the coefficient.
+  EXPECT_NEAR(sliding * sliding * object_sliding, kFriction, kRoundOff);
   EXPECT_NE(lines.text.find("<torsional><coefficient>0.000294524</coefficient></torsional>"),
             std::string::npos)
       << lines.text;
