@@ -173,8 +173,11 @@ TEST(Exporting, IsaacLabHasTheSameTorqueWithNewtonAndTheModelsStiffness) {
   EXPECT_NEAR(
       value(lines, "compliant_contact_stiffness_N_per_m") / hertz_curve().normal_stiffness_N_per_m,
       1, kRoundOff);
-  for (const char* needed : {"min_torsional_patch_radius=0.000589049", "condim=4",
-                             "compliant_contact_stiffness=2000", "torsional_friction=0.000294524"})
+  EXPECT_LT(value(lines, "friction_correlation_distance_m"), 1e-4)
+      << "beyond 0.1 mm a compliant contact has two anchors, and no torque";
+  for (const char* needed :
+       {"min_torsional_patch_radius=0.000589049", "condim=4", "friction_correlation_distance=1e-05",
+        "compliant_contact_stiffness=2000", "torsional_friction=0.000294524"})
     EXPECT_NE(lines.text.find(needed), std::string::npos) << lines.text;
 }
 

@@ -30,7 +30,12 @@ Lines lines(const SoftContact& contact) {
           "collision_props = [UsdPhysicsCollisionCfg(), "
           "PhysxCollisionCfg(torsional_patch_radius={radius:.6g}, "
           "min_torsional_patch_radius={least:.6g})]\n"
-          "# Isaac Lab 2: RigidBodyMaterialCfg and CollisionPropertiesCfg have these fields\n"
+          "physics = PhysxCfg(friction_correlation_distance={correlation:.6g})  # of "
+          "SimulationCfg: "
+          "m, without it a compliant contact has no torque\n"
+          "# Isaac Lab 2: RigidBodyMaterialCfg, CollisionPropertiesCfg and SimulationCfg's physx "
+          "have "
+          "these fields\n"
           "# With Newton in place of PhysX, torsional_friction: m, largest torque / load = mu e_n\n"
           "# physics_material = [friction, NewtonMaterialCfg(torsional_friction={spin:.6g}, "
           "rolling_friction=0.0, contact_stiffness={k:.6g}, contact_damping=2 * ({k:.6g} * "
@@ -39,11 +44,13 @@ Lines lines(const SoftContact& contact) {
           "# collision_props = [UsdPhysicsCollisionCfg(), MujocoCollisionCfg(condim=4)]\n",
           fmt::arg("origin", contact.origin), fmt::arg("mu", contact.friction_coefficient),
           fmt::arg("k", contact.normal_stiffness_N_per_m), fmt::arg("radius", radii.radius_m),
-          fmt::arg("least", radii.min_radius_m), fmt::arg("spin", contact.torque_per_load_m())),
+          fmt::arg("least", radii.min_radius_m), fmt::arg("spin", contact.torque_per_load_m()),
+          fmt::arg("correlation", kCorrelationDistance_m)),
       {{"sliding_friction", contact.friction_coefficient},
        {"compliant_contact_stiffness_N_per_m", contact.normal_stiffness_N_per_m},
        {"min_torsional_patch_radius_m", radii.min_radius_m},
        {"torsional_patch_radius_m", radii.radius_m},
+       {"friction_correlation_distance_m", kCorrelationDistance_m},
        {"newton_torsional_friction_m", contact.torque_per_load_m()}}};
 }
 
@@ -83,7 +90,7 @@ Simulator isaac_lab_simulator() {
       0,
       lines,
       box_lines,
-      {kTorsionNeedsTgs, kRadiusIsEccentricity, kSeparateLimits,
+      {kTorsionNeedsTgs, kRadiusIsEccentricity, kSecondAnchor, kSeparateLimits,
        "with a compliant contact torsional_patch_radius would let e_n grow as P^(1/2), faster "
        "than a layer's: it is 0 here",
        "NewtonMaterialCfg calls torsional_friction dimensionless, but its MuJoCo solver reads a "
@@ -92,7 +99,8 @@ Simulator isaac_lab_simulator() {
        "radii the larger counts, of compliant materials the pair's combine mode decides"},
       "Isaac Lab 3.0.0 (isaaclab_physx and isaaclab_newton: sim/schemas/schemas_cfg.py, "
       "sim/spawners/materials/physics_materials_cfg.py) with PhysX 5.8.0 "
-      "(DyTGSContactPrep.cpp) and Newton 1.5.0 (solver_mujoco.py)",
+      "(DyTGSContactPrep.cpp, DyFrictionCorrelation.cpp) and Newton 1.5.0 (solver_mujoco.py); "
+      "PhysX's part was measured in 5.6.1",
       "PhysX takes it as compliant_contact_stiffness, {k} N/m for each contact point; neither "
       "engine has a stiffness about the normal.",
       kPythonComment,

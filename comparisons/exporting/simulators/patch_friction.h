@@ -30,6 +30,12 @@ constexpr std::string_view kPatchFrictionLaw =
     "|f| <= mu P and, apart from it, |torque| <= mu r P with r constant, or growing with the "
     "penetration";
 
+/// A patch keeps its torque only while it has one anchor. It gets a second one where the contact
+/// point has moved by more than 0.1 mm while it sticks, as it does while a compliant contact sinks
+/// in (DyFrictionCorrelation.cpp). With this correlation distance the patch is made anew before
+/// that.
+constexpr double kCorrelationDistance_m = 1e-5;
+
 /// Peculiarities of this law, for the simulators' traps.
 constexpr std::string_view
     kTorsionNeedsTgs =
@@ -37,6 +43,11 @@ constexpr std::string_view
         "contact point (sphere, ellipsoid; not box on box)",
     kRadiusIsEccentricity =
         "r is e_n itself, not the contact's radius (3 pi/16 of it for a round Hertz contact)",
+    kSecondAnchor =
+        "a patch whose contact point has moved by more than 0.1 mm while it sticks, as it does "
+        "while a "
+        "compliant contact sinks in, has no torque at all, unless the scene's friction correlation "
+        "distance is smaller than that",
     kSeparateLimits =
         "force and torque have separate limits: at 0.6 mu P the torque is 25 % above the ellipsoid";
 

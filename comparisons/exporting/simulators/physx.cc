@@ -62,11 +62,12 @@ Simulator physx_simulator() {
        "is 0 here to leave that out; of each radius the larger of the two shapes counts",
        "friction is averaged over the two materials unless a combine mode says otherwise (here "
        "the smaller one)",
-       kSeparateLimits},
-      "PhysX 5.8.0 (physx/source/lowleveldynamics/src/DyTGSContactPrep.cpp, physx/include/"
-      "PxShape.h)",
+       kSecondAnchor, kSeparateLimits},
+      "PhysX 5.8.0 (physx/source/lowleveldynamics/src/DyTGSContactPrep.cpp, "
+      "DyFrictionCorrelation.cpp), and measured in 5.6.1",
       "A restitution of -{k} makes each contact point a spring of that many N/m, "
-      "material->setDamping damps it (before PhysX 5.4 only with the flag eCOMPLIANT_CONTACT); "
+      "material->setDamping damps it (before PhysX 5.4 only with the flag eCOMPLIANT_CONTACT), and "
+      "sceneDesc.frictionCorrelationDistance = 1e-5f keeps its torque; "
       "there is no stiffness about the normal.",
       kCppComment};
 }
