@@ -192,6 +192,7 @@ TEST(Exporting, GazeboSimsBulletHasTheTorqueByBulletsRuleForPairs) {
   EXPECT_NEAR(spinning_m * kLoad_N / hertz_curve().nominal.max_torque_Nm(), 1, kRoundOff);
   // The plugin also scales the friction's directions by the coefficient.
   EXPECT_NEAR(sliding * sliding * object_sliding, kFriction, kRoundOff);
+  EXPECT_NE(lines.text.find("<friction>0.707107</friction>"), std::string::npos) << lines.text;
   EXPECT_NE(lines.text.find("<torsional><coefficient>0.000294524</coefficient></torsional>"),
             std::string::npos)
       << lines.text;

@@ -74,8 +74,9 @@ Simulator gazebo_simulator() {
        "force and torque have separate limits: at 0.6 mu P the torque is 25 % above the ellipsoid; "
        "each contact point adds a torque of its own"},
       "Gazebo Classic 11 (gazebo/physics/ode/ODEPhysics.cc, deps/opende/src/joints/contact.cpp)",
-      "It goes into surface, contact, ode, kp = {k}, with a kd of both surfaces' sum, for each "
-      "contact point; there is no stiffness about the normal.",
+      "It goes into <contact><ode><kp> of the surface, {k} N/m for each contact point; its damping "
+      "is "
+      "the sum of both surfaces' kd. There is no stiffness about the normal.",
       kXmlComment};
 }
 
