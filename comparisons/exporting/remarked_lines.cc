@@ -7,9 +7,11 @@
 namespace softfinger::exporting {
 namespace {
 
-std::string replaced(std::string text, std::string_view mark, double value) {
-  for (std::size_t at; (at = text.find(mark)) != std::string::npos;)
-    text.replace(at, mark.size(), fmt::format("{:.4g}", value));
+/// The text with the number in place of each `{k}`.
+std::string with_stiffness(std::string text, double stiffness_N_per_m) {
+  constexpr std::string_view kMark = "{k}";
+  for (std::size_t at; (at = text.find(kMark)) != std::string::npos;)
+    text.replace(at, kMark.size(), fmt::format("{:.4g}", stiffness_N_per_m));
   return text;
 }
 
@@ -20,9 +22,8 @@ Lines remarked(Lines lines, const Simulator& simulator, const SoftContact& conta
           ? fmt::format(", about the normal {:.4g} N m/rad before it slips",
                         contact.torsional_stiffness_Nm_per_rad)
           : std::string();
-  const std::string place = replaced(replaced(std::string(simulator.stiffness_place), "{k}",
-                                              contact.normal_stiffness_N_per_m / points),
-                                     "{r}", contact.eccentricity_m);
+  const std::string place = with_stiffness(std::string(simulator.stiffness_place),
+                                           contact.normal_stiffness_N_per_m / points);
   const auto [open, close] = simulator.comment;
   lines.text += fmt::format(
       "{0}The model's stiffness is dP/dd {2:.4g} N/m{3}; it has no damping. {4}{1}\n"

@@ -63,7 +63,7 @@ struct Simulator {
   /// The version and the source files in which the law was read.
   std::string_view checked_against;
   /// Sentences that say where stiffness and damping go, or that the simulator has no place for
-  /// them. `{k}` stands for dP/dd in N/m, `{r}` for e_n in m.
+  /// them. `{k}` stands for dP/dd of each contact point, in N/m.
   std::string_view stiffness_place;
   CommentMarks comment = kPythonComment;
   std::string_view other_name = "";  ///< a second name that the command line takes
