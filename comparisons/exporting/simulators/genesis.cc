@@ -93,7 +93,9 @@ Simulator genesis_simulator() {
       0,
       lines,
       box_lines,
-      {"torsional friction exists from Genesis 1.3 on, and only with enable_torsional_friction; "
+      {"torsional friction exists from Genesis 1.3 on (contact_resolution from 1.3.1), and only "
+       "with "
+       "enable_torsional_friction; "
        "friction_torsional is the largest torque per newton of load (mu e_n, not e_n)",
        "of the two geoms the larger value counts, and a geom that states none has 0.005 m, often "
        "more than a fingertip: the touched object needs friction_torsional=0.0",
@@ -105,7 +107,7 @@ Simulator genesis_simulator() {
        "torques",
        "the spring cannot be stiffer than a time constant of two substeps: some mass/(4 step² "
        "0.05)"},
-      "Genesis 1.4.3 (genesis/engine/solvers/rigid/constraint/solver.py, collider/contact.py, "
+      "Genesis 1.4 (genesis/engine/solvers/rigid/constraint/solver.py, collider/contact.py, "
       "genesis/engine/materials/rigid.py, genesis/options/solvers.py)",
       "It is divided by masses, so the time constant follows mass_kg; the damping ratio is 1 "
       "there. Genesis has no stiffness about the normal: stuck friction creeps."};

@@ -97,7 +97,7 @@ Simulator isaac_lab_simulator() {
        "length; without MujocoCollisionCfg(condim=4) it has no effect",
        "physxMaterial attributes and torsional radii count in PhysX only; of the two shapes' "
        "radii the larger counts, of compliant materials the pair's combine mode decides"},
-      "Isaac Lab 3.0.0 (isaaclab_physx and isaaclab_newton: sim/schemas/schemas_cfg.py, "
+      "Isaac Lab 3.0 (isaaclab_physx and isaaclab_newton: sim/schemas/schemas_cfg.py, "
       "sim/spawners/materials/physics_materials_cfg.py) with PhysX 5.8.0 "
       "(DyTGSContactPrep.cpp, DyFrictionCorrelation.cpp) and Newton 1.5.0 (solver_mujoco.py); "
       "PhysX's part was measured in 5.6.1",
