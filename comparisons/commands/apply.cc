@@ -505,7 +505,7 @@ bool all_usable(const std::vector<FingerContact>& fingers) {
 }
 
 std::string lines_of(const Simulator& simulator, const exporting::SoftContact& contact) {
-  return (contact.face ? simulator.box_lines : simulator.lines)(contact).text;
+  return (contact.face ? exporting::box_lines : exporting::point_lines)(simulator, contact).text;
 }
 
 /// Prints the lines to type for a simulator that reads no friction from such a file.

@@ -9,6 +9,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/contact_choice.h"
 #include "comparisons/commands/export_pad.h"
+#include "comparisons/commands/number_option.h"
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/prediction/answer_in_time.h"
@@ -16,6 +17,7 @@
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/system/files.h"
 #include "comparisons/text/json_text.h"
+#include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
 namespace {
@@ -28,6 +30,7 @@ using exporting::SoftContact;
 struct ExportOptions {
   ContactChoice contact;
   std::string to;
+  std::string meters_per_unit;
   bool json = false;
 };
 
@@ -42,17 +45,23 @@ struct Export {
   std::size_t worst = 0;             ///< index of the largest
   std::size_t worst_force = 0;
 
-  Export(const Simulator& of, const ContactCurve& from, exporting::Fit fit)
+  /// @param meters_per_unit  of a USD stage
+  Export(const Simulator& of, const ContactCurve& from, exporting::Fit fit, double meters_per_unit)
       : simulator(of),
         curve(from),
-        contact(soft_contact(curve, simulator, fit)),
-        lines(simulator.lines(contact)),
+        contact(in_stage(soft_contact(curve, simulator, fit), meters_per_unit)),
+        lines(point_lines(simulator, contact)),
         errors(relative_errors(simulator, contact, curve)),
         force_errors(relative_force_errors(contact, curve)) {
     for (std::size_t i = 0; i < errors.size(); ++i) {
       if (std::abs(errors[i]) > std::abs(errors[worst])) worst = i;
       if (std::abs(force_errors[i]) > std::abs(force_errors[worst_force])) worst_force = i;
     }
+  }
+
+  static SoftContact in_stage(SoftContact contact, double meters_per_unit) {
+    contact.meters_per_unit = meters_per_unit;
+    return contact;
   }
 
   double eccentricity_m(double load_N) const {
@@ -96,32 +105,37 @@ nlohmann::json to_json(const Export& made, const std::string& fit, bool with_lin
          {"usable", point.assessment.usable},
          {"error_bound", text::finite_or_null(point.error_bound())}});
   }
-  return {{"case", curve.case_id},
-          {"simulator", made.simulator.name},
-          {"law", made.simulator.law},
-          {"model", curve.model},
-          {"fit", fit},
-          {"load_N", curve.nominal.load_N},
-          {"load_range_N", {curve.points.front().load_N, curve.points.back().load_N}},
-          {"shear_law", curve.shear_law.name()},
-          {"friction_coefficient", text::finite_or_null(curve.nominal.friction_coefficient)},
-          {"friction_exponent", text::finite_or_null(curve.friction_exponent)},
-          {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
-          {"usable", curve.nominal.assessment.usable},
-          {"reason", curve.advice.empty() ? nlohmann::json() : nlohmann::json(curve.advice)},
-          {"error_bound", text::finite_or_null(curve.nominal.error_bound())},
-          {"error_evidence", curve.nominal.assessment.evidence},
-          {"input_doubt", to_json(curve.nominal.inputs)},
-          {"normal_stiffness_N_per_m", text::finite_or_null(curve.normal_stiffness_N_per_m)},
-          {"load_exponent", text::finite_or_null(curve.load_exponent)},
-          {"simulator_load_exponent", made.simulator.load_exponent},
-          {"lines", with_lines ? nlohmann::json(made.lines.text) : nlohmann::json()},
-          {"values", with_lines ? values : nlohmann::json()},
-          {"loads", loads},
-          {"results", results},
-          {"worst_relative_error", text::finite_or_null(made.errors[made.worst])},
-          {"worst_force_relative_error", text::finite_or_null(made.force_errors[made.worst_force])},
-          {"traps", made.simulator.traps}};
+  return {
+      {"case", curve.case_id},
+      {"simulator", made.simulator.name},
+      {"law", made.simulator.law},
+      {"checked_against", made.simulator.checked_against},
+      {"model", curve.model},
+      {"fit", fit},
+      {"load_N", curve.nominal.load_N},
+      {"load_range_N", {curve.points.front().load_N, curve.points.back().load_N}},
+      {"shear_law", curve.shear_law.name()},
+      {"friction_coefficient", text::finite_or_null(curve.nominal.friction_coefficient)},
+      {"friction_exponent", text::finite_or_null(curve.friction_exponent)},
+      {"eccentricity_m", text::finite_or_null(curve.nominal.eccentricity_m)},
+      {"usable", curve.nominal.assessment.usable},
+      {"reason", curve.advice.empty() ? nlohmann::json() : nlohmann::json(curve.advice)},
+      {"error_bound", text::finite_or_null(curve.nominal.error_bound())},
+      {"error_evidence", curve.nominal.assessment.evidence},
+      {"input_doubt", to_json(curve.nominal.inputs)},
+      {"normal_stiffness_N_per_m", text::finite_or_null(curve.normal_stiffness_N_per_m)},
+      {"torsional_stiffness_Nm_per_rad", curve.torsional_stiffness_Nm_per_rad > 0
+                                             ? nlohmann::json(curve.torsional_stiffness_Nm_per_rad)
+                                             : nlohmann::json()},
+      {"load_exponent", text::finite_or_null(curve.load_exponent)},
+      {"simulator_load_exponent", made.simulator.load_exponent},
+      {"lines", with_lines ? nlohmann::json(made.lines.text) : nlohmann::json()},
+      {"values", with_lines ? values : nlohmann::json()},
+      {"loads", loads},
+      {"results", results},
+      {"worst_relative_error", text::finite_or_null(made.errors[made.worst])},
+      {"worst_force_relative_error", text::finite_or_null(made.force_errors[made.worst_force])},
+      {"traps", made.simulator.traps}};
 }
 
 /// The largest force, whose ratio to the load depends on the load under the shear law.
@@ -182,19 +196,34 @@ std::string evidence_text(const input::Case& contact_case, const ContactCurve& c
                      curve.nominal.assessment.evidence);
 }
 
+/// @throws InputError for a unit that is none, and beside another simulator than USD
+double meters_per_unit_of(const ExportOptions& options, const Simulator& simulator) {
+  if (options.meters_per_unit.empty()) return 1;
+  if (simulator.name != "usd")
+    throw InputError("command line", "--meters-per-unit", options.meters_per_unit,
+                     "none with --to " + std::string(simulator.name) +
+                         ", which is in metres: the unit of a stage, with --to usd");
+  const std::string wanted = "a number > 0, in m: 1 for metres, 0.01 for centimetres";
+  const double unit_m = number_of("--meters-per-unit", options.meters_per_unit, wanted);
+  if (!(unit_m > 0) || !std::isfinite(unit_m))
+    throw InputError("command line", "--meters-per-unit", options.meters_per_unit, wanted);
+  return unit_m;
+}
+
 int run_export(const ExportOptions& options) {
   const Simulator& simulator = simulator_by_name(options.to);
+  const double meters_per_unit = meters_per_unit_of(options, simulator);
   const input::Case contact_case = read_contact_case(options.contact);
   input::refuse_curved_pad(contact_case, "softfinger export");
   if (std::holds_alternative<input::PadPair>(contact_case.geometry))
-    return export_pad(simulator, contact_case, options.contact, options.json);
+    return export_pad(simulator, contact_case, options.contact, meters_per_unit, options.json);
   if (contact_case.times.are_given() && options.contact.at_time.empty() &&
       contact_case.times.history.empty())
     remark(
         "the rubber relaxes: these lines are for a load that was put on just now; --at-time S is "
         "for one that is held");
   const ContactCurve curve = ask_contact_curve(contact_case, options.contact);
-  const Export made(simulator, curve, options.contact.kind_of_fit());
+  const Export made(simulator, curve, options.contact.kind_of_fit(), meters_per_unit);
   const bool usable = curve.nominal.assessment.usable, told = usable || options.contact.force;
   if (options.json) {
     nlohmann::json object = to_json(made, options.contact.fit, told);
@@ -225,13 +254,16 @@ void add_export(CLI::App& app, Action& action) {
   command
       ->add_option(
           "--to", options->to,
-          "mujoco, bullet, gazebo (Classic, with ODE), gz-sim, drake (hydroelastic), newton, "
-          "physx or usd")
+          "mujoco, bullet, gazebo (Classic, with ODE), gz-sim, drake (hydroelastic), genesis, "
+          "isaac (Isaac Lab), newton, physx, sapien (also ManiSkill) or usd")
       ->required();
   add_contact_choice(*command, options->contact);
   command->add_option("--at-time", options->contact.at_time,
                       "seconds: the contact at this time, for a case with [layer] relaxation or "
                       "[contact] history; default: the end of the history, else at once");
+  command->add_option("--meters-per-unit", options->meters_per_unit,
+                      "with --to usd: metersPerUnit of the stage, > 0 (default: 1, metres; 0.01: "
+                      "centimetres); lengths are written in this unit");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "e_n is the largest torque about the normal divided by mu P; it grows with the load, by "
@@ -250,6 +282,7 @@ void add_export(CLI::App& app, Action& action) {
       "  softfinger export seed_thumb --to drake --load 2 --load-range 0.5,8\n"
       "  softfinger export --pad-mm 22,37.5 --thickness-mm 3 --youngs-modulus-kPa 600 "
       "--poisson-ratio 0.49 --load 20 --to mujoco\n"
+      "  softfinger export silicone_pad_2mm --to usd --meters-per-unit 0.01\n"
       "  softfinger export hertz_circle --to gazebo --model hertz --fit range --json");
   command->callback([options, &action] { action = [options] { return run_export(*options); }; });
 }

@@ -32,7 +32,7 @@ nlohmann::json values_json(const Lines& lines) {
 nlohmann::json to_json(const PadContact& made, const Simulator& simulator,
                        const input::Case& contact_case, bool told) {
   const exporting::SoftContact& contact = made.contact;
-  const Lines lines = simulator.lines(contact), box_lines = simulator.box_lines(contact);
+  const Lines lines = point_lines(simulator, contact), box = box_lines(simulator, contact);
   nlohmann::json result = to_json(made.answer, 0);
   result["recommended"] = true;
   nlohmann::json traps = nlohmann::json::array({exporting::kPadPoints});
@@ -40,6 +40,7 @@ nlohmann::json to_json(const PadContact& made, const Simulator& simulator,
   return {{"case", contact_case.id},
           {"simulator", simulator.name},
           {"law", simulator.law},
+          {"checked_against", simulator.checked_against},
           {"model", made.answer.model->card().name},
           {"load_N", contact.load_N},
           {"friction_coefficient", contact.friction_coefficient},
@@ -48,10 +49,12 @@ nlohmann::json to_json(const PadContact& made, const Simulator& simulator,
           {"error_bound", text::finite_or_null(bound_of_torque(made))},
           {"error_evidence", made.answer.evidence},
           {"normal_stiffness_N_per_m", text::finite_or_null(contact.normal_stiffness_N_per_m)},
+          {"torsional_stiffness_Nm_per_rad",
+           text::finite_or_null(contact.torsional_stiffness_Nm_per_rad)},
           {"lines", told ? nlohmann::json(lines.text) : nlohmann::json()},
           {"values", told ? values_json(lines) : nlohmann::json()},
-          {"box_lines", told ? nlohmann::json(box_lines.text) : nlohmann::json()},
-          {"box_values", told ? values_json(box_lines) : nlohmann::json()},
+          {"box_lines", told ? nlohmann::json(box.text) : nlohmann::json()},
+          {"box_values", told ? values_json(box) : nlohmann::json()},
           {"controller",
            {{"torsional_length_m", text::finite_or_null(contact.eccentricity_m)},
             {"tipping_half_lengths_m", made.tipping_half_lengths_m()},
@@ -79,7 +82,7 @@ std::string lines_text(const PadContact& made, const Simulator& simulator) {
       "±{:.4g} x ±{:.4g} mm, or the pad tips; within ±{:.3g} along x or ±{:.3g} along y no rim "
       "lifts "
       "off\n- {}\n",
-      simulator.box_lines(contact).text, simulator.lines(contact).text, simulator.title,
+      box_lines(simulator, contact).text, point_lines(simulator, contact).text, simulator.title,
       simulator.law, 1e-3 * contact.normal_stiffness_N_per_m, 1e3 * contact.eccentricity_m,
       1e3 * tipping_m[0], 1e3 * tipping_m[1], 1e3 * lift_off_m[0], 1e3 * lift_off_m[1],
       exporting::kPadPoints);
@@ -90,7 +93,7 @@ std::string lines_text(const PadContact& made, const Simulator& simulator) {
 }  // namespace
 
 int export_pad(const Simulator& simulator, const input::Case& contact_case,
-               const ContactChoice& choice, bool json) {
+               const ContactChoice& choice, double meters_per_unit, bool json) {
   if (!choice.model.empty())
     throw InputError("command line", "--model", choice.model, "none for a flat pad: pad_layer");
   if (!choice.load_range.empty())
@@ -100,7 +103,8 @@ int export_pad(const Simulator& simulator, const input::Case& contact_case,
   if (!choice.load.empty()) load_N = number_of("--load", choice.load, "a number > 0, in N");
   if (!(load_N > 0) || !std::isfinite(load_N))
     throw InputError("command line", "--load", choice.load, "a number > 0, in N");
-  const PadContact made = exporting::ask_pad_contact(contact_case, load_N, choice.demand.demand());
+  PadContact made = exporting::ask_pad_contact(contact_case, load_N, choice.demand.demand());
+  made.contact.meters_per_unit = meters_per_unit;
   const bool told = made.answer.usable || choice.force;
   if (json)
     system::write_to_stdout(text::printed(to_json(made, simulator, contact_case, told)));

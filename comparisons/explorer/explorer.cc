@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #include "comparisons/explorer/json_parts.h"
-#include "comparisons/exporting/normal_stiffness.h"
+#include "comparisons/exporting/contact_stiffness.h"
 #include "comparisons/exporting/simulator.h"
 #include "softfinger/accuracy/default_model.h"
 #include "softfinger/accuracy/error_bound.h"
@@ -109,12 +109,14 @@ std::string simulators_json(const PressureModel& model, const ContactProblem& pr
   contact.normal_stiffness_N_per_m = exporting::normal_stiffness_N_per_m(
       contact.load_N, contact.indentation_m, indentation_at(contact.load_N / kLoadStep),
       indentation_at(contact.load_N * kLoadStep));
+  contact.torsional_stiffness_Nm_per_rad =
+      exporting::torsional_stiffness_Nm_per_rad(problem, prediction.a_m, prediction.b_m);
   contact.radii = problem.radii;
   contact.origin = fmt::format("explorer, {}, {:.4g} N", model.card().name, contact.load_N);
   List list;
   for (const exporting::Simulator& simulator : exporting::all_simulators())
     list.add(fmt::format("{{\"name\":{},\"text\":{}}}", json_string(simulator.name),
-                         json_string(simulator.lines(contact).text)));
+                         json_string(point_lines(simulator, contact).text)));
   return list.text();
 }
 

@@ -139,9 +139,9 @@ std::string pad_simulators_json(const PadModel& model, const PadProblem& problem
   contact.origin = fmt::format("explorer, {}, {:.4g} N", model.card().name, contact.load_N);
   List list;
   for (const exporting::Simulator& simulator : exporting::all_simulators())
-    list.add(fmt::format(
-        "{{\"name\":{},\"text\":{}}}", json_string(simulator.name),
-        json_string(simulator.box_lines(contact).text + "\n" + simulator.lines(contact).text)));
+    list.add(fmt::format("{{\"name\":{},\"text\":{}}}", json_string(simulator.name),
+                         json_string(box_lines(simulator, contact).text + "\n" +
+                                     point_lines(simulator, contact).text)));
   return list.text();
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "comparisons/exporting/normal_stiffness.h"
+#include "comparisons/exporting/contact_stiffness.h"
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/judgement/next_step.h"
 #include "comparisons/judgement/reason.h"
@@ -169,6 +169,9 @@ ContactCurve ask_contact_curve(const input::Case& contact_case,
         normal_stiffness_N_per_m(curve.nominal.load_N, curve.nominal.indentation_m,
                                  below.indentation_m, above.indentation_m);
   }
+  curve.torsional_stiffness_Nm_per_rad = torsional_stiffness_Nm_per_rad(
+      prediction::contact_problem(contact_case, nominal, loads.nominal_N), curve.nominal.a_m,
+      curve.nominal.b_m);
   curve.friction_exponent =
       std::log(above.friction_coefficient / below.friction_coefficient) / span;
   return curve;

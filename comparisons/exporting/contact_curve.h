@@ -71,7 +71,8 @@ struct ContactCurve {
   /// d ln (largest force / P) / d ln P there: 0 under Coulomb's law, -1/3 for a constant stress on
   /// Hertz' ellipse.
   double friction_exponent = 0;
-  double normal_stiffness_N_per_m = 0;  ///< dP/dd at the nominal load
+  double normal_stiffness_N_per_m = 0;        ///< dP/dd at the nominal load
+  double torsional_stiffness_Nm_per_rad = 0;  ///< of the stuck contact there; 0: not known
 };
 
 /// Asks the model at each of these loads, about ten.

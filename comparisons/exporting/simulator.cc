@@ -10,8 +10,11 @@
 namespace softfinger::exporting {
 
 const Simulator* find_simulator(std::string_view name) {
+  std::string wanted(name);
+  std::replace(wanted.begin(), wanted.end(), '_', '-');
   for (const Simulator& simulator : all_simulators())
-    if (simulator.name == name) return &simulator;
+    if (simulator.name == wanted || (!wanted.empty() && simulator.other_name == wanted))
+      return &simulator;
   return nullptr;
 }
 
@@ -39,6 +42,7 @@ SoftContact soft_contact(const ContactCurve& curve, const Simulator& simulator, 
   contact.radii = curve.radii;
   contact.indentation_m = curve.nominal.indentation_m;
   contact.normal_stiffness_N_per_m = curve.normal_stiffness_N_per_m;
+  contact.torsional_stiffness_Nm_per_rad = curve.torsional_stiffness_Nm_per_rad;
   contact.eccentricity_m = curve.nominal.eccentricity_m;
   if (fit == Fit::range) {
     const auto best_over_range = [&](const auto& wanted) {

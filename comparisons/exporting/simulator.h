@@ -21,9 +21,12 @@ struct SoftContact {
   double eccentricity_m = 0;            ///< e_n that the simulator should have at that load
   double indentation_m = 0;             ///< of the model, at that load
   double normal_stiffness_N_per_m = 0;  ///< dP/dd of the model, at that load
-  RelativeRadii radii;                  ///< of the gap, at that load; of no meaning beside a face
-  std::optional<PadFace> face;          ///< of a flat pad
-  std::string origin;                   ///< "silicone_pad_2mm, bonded_layer, 2 N", for comments
+  /// Torque per rotation about the normal before anything slips, at that load; 0: not known.
+  double torsional_stiffness_Nm_per_rad = 0;
+  double meters_per_unit = 1;   ///< the length unit of a USD stage, in m
+  RelativeRadii radii;          ///< of the gap, at that load; of no meaning beside a face
+  std::optional<PadFace> face;  ///< of a flat pad
+  std::string origin;           ///< "silicone_pad_2mm, bonded_layer, 2 N", for comments
 
   /// Largest torque about the normal per newton of load: mu e_n.
   double torque_per_load_m() const { return friction_coefficient * eccentricity_m; }
@@ -34,6 +37,13 @@ struct Lines {
   std::string text;
   std::vector<std::pair<std::string, double>> values;
 };
+
+/// The marks of a comment line in a simulator's language.
+struct CommentMarks {
+  std::string_view open, close;
+};
+constexpr CommentMarks kPythonComment = {"# ", ""}, kCppComment = {"// ", ""},
+                       kXmlComment = {"<!-- ", " -->"};
 
 /// A simulator's law of torsional friction. Each simulator has a file in simulators/, which states
 /// the law and where it is documented.
@@ -50,14 +60,27 @@ struct Simulator {
   /// torque.
   Lines (*box_lines)(const SoftContact&) = nullptr;
   std::vector<std::string_view> traps;  ///< peculiarities that change the result, a line each
-  bool has_torque = true;               ///< false: the simulator has no torsional friction at all
+  /// The version and the source files in which the law was read.
+  std::string_view checked_against;
+  /// Sentences that say where stiffness and damping go, or that the simulator has no place for
+  /// them. `{k}` stands for dP/dd of each contact point, in N/m.
+  std::string_view stiffness_place;
+  CommentMarks comment = kPythonComment;
+  std::string_view other_name = "";  ///< a second name that the command line takes
+  bool has_torque = true;            ///< false: the simulator has no torsional friction at all
 };
 
 /// One per file simulators/NAME.cc, which defines NAME_simulator(), in the order of their names.
 const std::vector<Simulator>& all_simulators();
 
-/// Null when there is none of this name.
+/// Null when there is none of this name. An underscore is as good as a hyphen.
 const Simulator* find_simulator(std::string_view name);
+
+/// The lines for one contact point, or one pressed patch, with two comment lines: the model's
+/// stiffness and its place in the simulator, and the source in which the law was read.
+Lines point_lines(const Simulator& simulator, const SoftContact& contact);
+/// Likewise the lines for a pad's face as several points.
+Lines box_lines(const Simulator& simulator, const SoftContact& contact);
 
 /// A case's name may contain two hyphens in a row, which end an XML comment.
 std::string without_double_hyphens(std::string text);

@@ -20,6 +20,7 @@ SoftContact soft_pad(const PadModel& model, const PadProblem& problem,
   contact.eccentricity_m = prediction.eccentricity_m;
   contact.indentation_m = prediction.indentation_m;
   contact.normal_stiffness_N_per_m = prediction.normal_stiffness_N_per_m;
+  contact.torsional_stiffness_Nm_per_rad = prediction.torsional_stiffness_Nm_per_rad;
   double corner_m = 0;
   for (const Eigen::Vector2d& vertex : outline.vertices_m())
     corner_m = std::max(corner_m, (vertex - outline.centroid_m()).norm());

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "comparisons/exporting/contact_curve.h"
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/exporting/simulators/drake.h"
+#include "comparisons/exporting/simulators/patch_friction.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 #include "tests/comparisons/run_program.h"
@@ -54,9 +56,27 @@ const Simulator& physx() { return *find_simulator("physx"); }
 const Simulator& newton() { return *find_simulator("newton"); }
 const Simulator& usd() { return *find_simulator("usd"); }
 const Simulator& gz_sim() { return *find_simulator("gz-sim"); }
+const Simulator& genesis() { return *find_simulator("genesis"); }
+const Simulator& sapien() { return *find_simulator("sapien"); }
+const Simulator& isaac() { return *find_simulator("isaac"); }
 
 Lines lines_for(const Simulator& simulator) {
   return simulator.lines(soft_contact(hertz_curve(), simulator, Fit::nominal));
+}
+
+/// Algebra on numbers of one magnitude: a few roundings.
+constexpr double kRoundOff = 1e-12;
+
+/// A pad of 10 x 10 mm, e_n = 4 mm.
+SoftContact square_pad() {
+  SoftContact contact;
+  contact.friction_coefficient = kFriction;
+  contact.load_N = 2;
+  contact.eccentricity_m = 4e-3;
+  contact.normal_stiffness_N_per_m = 1600;
+  contact.face = PadFace{10e-3, 10e-3, 1e-4, 2e-3, 4e-3, 7.07e-3, 3.8e-3, 3.8e-3};
+  contact.origin = "pad";
+  return contact;
 }
 
 }  // namespace
@@ -94,6 +114,165 @@ TEST(Exporting, PhysxsRadiusIsTheEccentricity) {
   EXPECT_EQ(value(lines, "torsional_patch_radius_m"), 0);
   EXPECT_NE(lines.text.find("createMaterial(0.500000f, 0.500000f, 0.0f)"), std::string::npos)
       << lines.text;
+}
+
+// rigid/collider/contact.py: the larger coefficient of the pair counts. constraint/solver.py: with
+// the elliptic cone and the convex resolution, |f|²/mu² + torque²/mu_t² <= P².
+TEST(Exporting, GenesissEllipsoidHasTheModelsTorque) {
+  const LoadPoint nominal = hertz_curve().nominal;
+  const Lines lines = lines_for(genesis());
+  const double torsional_m =
+      std::max(value(lines, "torsional_friction_m"), value(lines, "object_torsional_friction_m"));
+  EXPECT_NEAR(torsional_m * kLoad_N / nominal.max_torque_Nm(), 1, kRoundOff);
+  // Beside a force of 0.6 mu P the ellipsoid leaves 0.8 of it.
+  const double force_N = 0.6 * value(lines, "sliding_friction") * kLoad_N;
+  const double share = force_N / (value(lines, "sliding_friction") * kLoad_N);
+  EXPECT_NEAR(torsional_m * kLoad_N * std::sqrt(1 - share * share) / nominal.max_torque_Nm(), 0.8,
+              kRoundOff);
+  for (const char* needed : {"enable_torsional_friction=True", "gs.friction_cone.elliptic",
+                             "gs.contact_resolution.convex", "friction_torsional=0.000294524"})
+    EXPECT_NE(lines.text.find(needed), std::string::npos) << lines.text;
+}
+
+// P = k D² d/((1 - D) w) with k = 1/(timeconst² D²), for 1/w = 0.25 kg.
+TEST(Exporting, GenesissTimeConstantGivesTheModelsStiffness) {
+  const Lines lines = lines_for(genesis());
+  const double impedance = value(lines, "impedance"), mass_kg = 0.25;
+  const double time_s = value(lines, "time_constant_at_1_kg_s") * std::sqrt(mass_kg);
+  const double k = 1 / (time_s * time_s * impedance * impedance);
+  const double stiffness_N_per_m = k * impedance * impedance / (1 - impedance) * mass_kg;
+  EXPECT_NEAR(stiffness_N_per_m / hertz_curve().normal_stiffness_N_per_m, 1, kRoundOff);
+}
+
+// DyTGSContactPrep.cpp: |torque| <= mu r P, r = max(min radius, sqrt(radius penetration)). A pair's
+// friction is the mean of both in SAPIEN, which sets no combine mode.
+TEST(Exporting, PatchesOfPhysxHaveTheModelsTorqueAtAnyPenetration) {
+  const LoadPoint nominal = hertz_curve().nominal;
+  for (const Simulator* simulator : {&physx(), &sapien(), &isaac()})
+    for (const double penetration_m : {-1e-3, 0.0, 1e-5, 1e-3}) {
+      const Lines lines = lines_for(*simulator);
+      const double radius_m =
+          torsional_radius_m(value(lines, "min_torsional_patch_radius_m"),
+                             value(lines, "torsional_patch_radius_m"), penetration_m);
+      const double friction =
+          simulator == &sapien()
+              ? 0.5 * (value(lines, "sliding_friction") + value(lines, "object_sliding_friction"))
+              : value(lines, "sliding_friction");
+      EXPECT_NEAR(friction * radius_m * kLoad_N / nominal.max_torque_Nm(), 1, kRoundOff)
+          << simulator->name;
+    }
+  // A radius that follows the penetration grows with its root.
+  EXPECT_DOUBLE_EQ(torsional_radius_m(1e-3, 4e-3, 1e-3), 2e-3);
+}
+
+TEST(Exporting, IsaacLabHasTheSameTorqueWithNewtonAndTheModelsStiffness) {
+  const Lines lines = lines_for(isaac());
+  EXPECT_NEAR(
+      value(lines, "newton_torsional_friction_m") * kLoad_N / hertz_curve().nominal.max_torque_Nm(),
+      1, kRoundOff);
+  EXPECT_NEAR(
+      value(lines, "compliant_contact_stiffness_N_per_m") / hertz_curve().normal_stiffness_N_per_m,
+      1, kRoundOff);
+  EXPECT_LT(value(lines, "friction_correlation_distance_m"), 1e-4)
+      << "beyond 0.1 mm a compliant contact has two anchors, and no torque";
+  for (const char* needed :
+       {"min_torsional_patch_radius=0.000589049", "condim=4", "friction_correlation_distance=1e-05",
+        "compliant_contact_stiffness=2000", "torsional_friction=0.000294524"})
+    EXPECT_NE(lines.text.find(needed), std::string::npos) << lines.text;
+}
+
+// bullet-featherstone/src/SDFFeatures.cc sets Bullet's spinning friction, whose rule for pairs is
+// s_0 mu_1 + s_1 mu_0.
+TEST(Exporting, GazeboSimsBulletHasTheTorqueByBulletsRuleForPairs) {
+  const Lines lines = lines_for(gz_sim());
+  const double sliding = value(lines, "bullet_sliding_friction"),
+               object_sliding = value(lines, "bullet_object_sliding_friction");
+  const double spinning_m = value(lines, "bullet_spinning_friction_m") * object_sliding +
+                            value(lines, "bullet_object_spinning_friction_m") * sliding;
+  EXPECT_NEAR(spinning_m * kLoad_N / hertz_curve().nominal.max_torque_Nm(), 1, kRoundOff);
+  // The plugin also scales the friction's directions by the coefficient.
+  EXPECT_NEAR(sliding * sliding * object_sliding, kFriction, kRoundOff);
+  EXPECT_NE(lines.text.find("<friction>0.707107</friction>"), std::string::npos) << lines.text;
+  EXPECT_NE(lines.text.find("<torsional><coefficient>0.000294524</coefficient></torsional>"),
+            std::string::npos)
+      << lines.text;
+  EXPECT_NE(lines.text.find("<torsional><coefficient>0</coefficient></torsional>"),
+            std::string::npos)
+      << "an object that states no coefficient has 1 m";
+  // The points of a box have their torque by their forces alone.
+  EXPECT_EQ(gz_sim().box_lines(square_pad()).text.find("<coefficient>0.0"), std::string::npos);
+}
+
+TEST(Exporting, UsdWritesLengthsInTheStagesUnit) {
+  SoftContact contact = square_pad();
+  EXPECT_NE(usd().lines(contact).text.find("torsionalFriction = 0.002\n"), std::string::npos);
+  contact.meters_per_unit = 0.01;
+  const Lines point = usd().lines(contact), box = usd().box_lines(contact);
+  EXPECT_NEAR(value(point, "torsional_friction_stage_units"), 0.2, kRoundOff);
+  EXPECT_NEAR(value(point, "min_torsional_patch_radius_stage_units"), 0.4, kRoundOff);
+  for (const char* line : {"metersPerUnit = 0.01;", "torsionalFriction = 0.2\n",
+                           "minTorsionalPatchRadius = 0.4\n", "contactStiffness = 1600\n"})
+    EXPECT_NE(point.text.find(line), std::string::npos) << point.text;
+  // Half lengths of e_n/sqrt(2) and half the layer's thickness; N/m is mass/s², without a length.
+  EXPECT_NE(box.text.find("xformOp:scale = (0.282843, 0.282843, 0.1)"), std::string::npos)
+      << box.text;
+  EXPECT_NE(box.text.find("contactStiffness = 400\n"), std::string::npos) << box.text;
+}
+
+TEST(Exporting, CornersOfABoxHaveThePadsTorqueAndAQuarterOfItsStiffness) {
+  const SoftContact contact = square_pad();
+  for (const Simulator* simulator : {&genesis(), &sapien(), &isaac()}) {
+    const Lines box = simulator->box_lines(contact);
+    const double corner_m =
+        std::hypot(value(box, "box_half_length_x_m"), value(box, "box_half_length_y_m"));
+    EXPECT_NEAR(4 * kFriction * (contact.load_N / 4) * corner_m /
+                    (contact.torque_per_load_m() * contact.load_N),
+                1, kRoundOff)
+        << simulator->name;
+  }
+  EXPECT_DOUBLE_EQ(value(isaac().box_lines(contact), "compliant_contact_stiffness_N_per_m"), 400);
+  const double time_s = value(genesis().box_lines(contact), "time_constant_at_1_kg_s");
+  EXPECT_NEAR(1 / (time_s * time_s * 0.05), 400, 400 * kRoundOff);
+}
+
+TEST(Exporting, EveryExportNamesItsSourceAndThePlaceOfTheStiffness) {
+  for (const Simulator& simulator : all_simulators()) {
+    SoftContact contact = soft_contact(hertz_curve(), simulator, Fit::nominal);
+    EXPECT_NE(simulator.checked_against.find_first_of("0123456789"), std::string_view::npos)
+        << simulator.name << ": a version";
+    const auto expect_remarks = [&](const Lines& plain, const Lines& remarked) {
+      const std::string remarks = remarked.text.substr(plain.text.size());
+      EXPECT_EQ(remarked.text.rfind(plain.text, 0), 0u);
+      EXPECT_EQ(remarked.values, plain.values);
+      EXPECT_EQ(remarks.rfind(simulator.comment.open, 0), 0u) << remarks;
+      EXPECT_EQ(std::count(remarks.begin(), remarks.end(), '\n'), 2) << remarks;
+      EXPECT_NE(remarks.find(simulator.checked_against), std::string::npos) << remarks;
+      EXPECT_EQ(remarks.find_first_of("{}"), std::string::npos) << remarks;
+    };
+    expect_remarks(simulator.lines(contact), point_lines(simulator, contact));
+    const std::string text = point_lines(simulator, contact).text;
+    EXPECT_NE(text.find("dP/dd 2000 N/m, about the normal"), std::string::npos) << text;
+    contact.torsional_stiffness_Nm_per_rad = 0;
+    EXPECT_NE(point_lines(simulator, contact).text.find("dP/dd 2000 N/m; it"), std::string::npos);
+    contact.face = square_pad().face;
+    expect_remarks(simulator.box_lines(contact), box_lines(simulator, contact));
+  }
+}
+
+TEST(Exporting, TheStiffnessAboutTheNormalIsThatOfAStuckCircle) {
+  // 16/3 G a³ on a half space (Mindlin 1949), G = E/2; a layer of 100 a changes less than the
+  // table.
+  const double G_Pa = 1e6 / 2, a_m = 1e-3;
+  EXPECT_NEAR(hertz_curve().torsional_stiffness_Nm_per_rad / (16.0 / 3 * G_Pa * a_m * a_m * a_m), 1,
+              1e-3);
+}
+
+TEST(Exporting, FindsSimulatorsByEitherSpelling) {
+  EXPECT_EQ(find_simulator("gz_sim"), &gz_sim());
+  EXPECT_EQ(find_simulator("isaac-lab"), &isaac());
+  EXPECT_EQ(find_simulator("isaac_lab"), &isaac());
+  EXPECT_EQ(find_simulator(""), nullptr);
+  EXPECT_EQ(find_simulator("isaacs"), nullptr);
 }
 
 TEST(Exporting, DrakesModulusGivesTheTorqueWhenItsPressureIsIntegrated) {
@@ -151,11 +330,10 @@ TEST(Exporting, UsdHasTheTorqueAsALength) {
       << lines.text;
 }
 
-TEST(Exporting, GazeboSimHasNoTorqueWhichIsAnErrorOfAllOfIt) {
+TEST(Exporting, GazeboSimsDefaultEngineHasNoTorqueWhichIsAnErrorOfAllOfIt) {
   const ContactCurve curve = hertz_curve();
   const SoftContact contact = soft_contact(curve, gz_sim(), Fit::nominal);
   for (const double error : relative_errors(gz_sim(), contact, curve)) EXPECT_EQ(error, -1);
-  EXPECT_EQ(gz_sim().lines(contact).text.find("<torsional>"), std::string::npos);
   // Three points at e_n that share the load: mu P/3 e_n each.
   EXPECT_NEAR(value(lines_for(gz_sim()), "three_points_radius_m") / kEccentricity_m, 1, 1e-9);
 }
@@ -277,9 +455,15 @@ TEST(Exporting, NamesDoNotEndAnXmlComment) {
   contact_case.id = "a---b--";
   const ContactCurve curve = curve_of(contact_case, "hertz");
   for (const Simulator& simulator : {mujoco(), gazebo(), gz_sim(), drake()}) {
-    const std::string text = simulator.lines(soft_contact(curve, simulator, Fit::range)).text;
-    const std::size_t start = text.find("<!--") + 4, end = text.find("-->");
-    EXPECT_EQ(text.substr(start, end - start).find("--"), std::string::npos) << text;
+    const std::string text =
+        point_lines(simulator, soft_contact(curve, simulator, Fit::range)).text;
+    std::size_t comments = 0;
+    for (std::size_t start = text.find("<!--"); start != std::string::npos;
+         start = text.find("<!--", start + 4), ++comments) {
+      const std::size_t end = text.find("-->", start);
+      EXPECT_EQ(text.substr(start + 4, end - start - 4).find("--"), std::string::npos) << text;
+    }
+    EXPECT_GE(comments, 3u) << text;
   }
 }
 

@@ -485,8 +485,8 @@ TEST_F(FlatPad, GetsTheCheapestModelThatIsAccurateEnough) {
   expect_refusal(select({"--models", "hertz"}), "pad_layer");
 }
 
-constexpr const char* kSimulators[] = {"bullet", "drake",  "gazebo", "gz-sim",
-                                       "mujoco", "newton", "physx",  "usd"};
+constexpr const char* kSimulators[] = {"bullet", "drake",  "gazebo", "genesis", "gz-sim", "isaac",
+                                       "mujoco", "newton", "physx",  "sapien",  "usd"};
 
 TEST_F(FlatPad, IsExportedAsOneContactPoint) {
   folder.write("pad.toml", pad_text());
@@ -498,7 +498,8 @@ TEST_F(FlatPad, IsExportedAsOneContactPoint) {
   const json mujoco = exported("mujoco")["values"], bullet = exported("bullet")["values"],
              gazebo = exported("gazebo")["values"], physx = exported("physx")["values"],
              newton = exported("newton")["values"], usd = exported("usd")["values"],
-             gz_sim = exported("gz-sim")["values"];
+             gz_sim = exported("gz-sim")["values"], genesis = exported("genesis")["values"],
+             sapien = exported("sapien")["values"], isaac = exported("isaac")["values"];
   // Each engine's law, from its documentation: the largest torque over the load is mu e_n.
   EXPECT_NEAR(mujoco["spinning_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
   EXPECT_NEAR(bullet["spinning_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
@@ -507,6 +508,9 @@ TEST_F(FlatPad, IsExportedAsOneContactPoint) {
   EXPECT_NEAR(newton["torsional_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
   EXPECT_NEAR(usd["torsional_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
   EXPECT_NEAR(gz_sim["three_points_radius_m"].get<double>(), e_m, 1e-12);
+  EXPECT_NEAR(genesis["torsional_friction_m"].get<double>(), 0.9 * e_m, 1e-12);
+  EXPECT_NEAR(sapien["min_torsional_patch_radius_m"].get<double>(), e_m, 1e-12);
+  EXPECT_NEAR(isaac["min_torsional_patch_radius_m"].get<double>(), e_m, 1e-12);
 }
 
 TEST_F(FlatPad, IsExportedAsABoxWhoseCornersHaveItsTorque) {

@@ -1033,8 +1033,8 @@ TEST_F(Program, RefusesWhatItCannotSelect) {
 
 TEST_F(Program, ExportsToEachSimulator) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 2.0, 5.0]"));
-  for (const std::string simulator :
-       {"mujoco", "bullet", "drake", "gazebo", "newton", "physx", "usd"}) {
+  for (const std::string simulator : {"mujoco", "bullet", "drake", "gazebo", "genesis", "isaac",
+                                      "newton", "physx", "sapien", "usd"}) {
     const ProgramRun result = run({"export", file.string(), "--to", simulator, "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const json object = json::parse(result.out);
@@ -1067,6 +1067,26 @@ TEST_F(Program, ExportsToEachSimulator) {
     EXPECT_NE(table.out.find("Worst over 1 to 5 N"), std::string::npos) << table.out;
     EXPECT_EQ(table.out.find("nan"), std::string::npos) << table.out;
   }
+}
+
+TEST_F(Program, ExportsToAUsdStageOfCentimetres) {
+  const auto file = folder.write("case.toml", case_text("example", "[1.0, 2.0, 5.0]")).string();
+  const auto stage = [&](const char* unit) {
+    const ProgramRun result =
+        run({"export", file, "--to", "usd", "--meters-per-unit", unit, "--json"});
+    EXPECT_EQ(result.status, 0) << result.err;
+    return json::parse(result.out);
+  };
+  const json metres = stage("1"), centimetres = stage("0.01");
+  EXPECT_NEAR(centimetres["values"]["torsional_friction_stage_units"].get<double>(),
+              100 * metres["values"]["torsional_friction_m"].get<double>(), 1e-12);
+  EXPECT_EQ(centimetres["values"]["contact_stiffness_N_per_m"],
+            metres["values"]["contact_stiffness_N_per_m"]);
+  EXPECT_GT(metres["torsional_stiffness_Nm_per_rad"], 0.0);
+  EXPECT_NE(metres["checked_against"].get<std::string>().find("Newton"), std::string::npos);
+  for (const char* unit : {"0", "-1", "nan", "inf", "cm"})
+    expect_refusal({"export", file, "--to", "usd", "--meters-per-unit", unit}, "--meters-per-unit");
+  expect_refusal({"export", file, "--to", "mujoco", "--meters-per-unit", "0.01"}, "usd");
 }
 
 TEST_F(Program, ExportSaysThatAnAveragedStackIsNotUsable) {

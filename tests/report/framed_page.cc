@@ -26,8 +26,11 @@ std::string framed_page(const std::string& page, int width, int height, const st
     else
       quoted += c;
   }
-  // srcdoc keeps the frame in the wrapper's origin: its state can be copied out.
-  return "<!doctype html><html><body style=\"margin:0\"><iframe style=\"width:" +
+  // srcdoc keeps the frame in the wrapper's origin: its state can be copied out. Where no encoding
+  // is stated Chromium guesses one from the bytes that have come so far, and the scripts' minus
+  // sign is then at times another character than the page's.
+  return "<!doctype html><html><meta charset=\"utf-8\"><body style=\"margin:0\"><iframe "
+         "style=\"width:" +
          std::to_string(width) + "px;height:" + std::to_string(height) + "px;border:0\" srcdoc=\"" +
          quoted + "\"></iframe><script>" + script("page_checks.js") + script(reader) +
          "document.querySelector('iframe').addEventListener('load', async (event) => {"

@@ -107,7 +107,7 @@ json simulators_of(const PressureModel& model, const ContactProblem& problem) {
   json texts = json::object();
   for (const exporting::Simulator& simulator : exporting::all_simulators())
     texts[std::string(simulator.name)] =
-        simulator.lines(soft_contact(curve, simulator, exporting::Fit::nominal)).text;
+        point_lines(simulator, soft_contact(curve, simulator, exporting::Fit::nominal)).text;
   return texts;
 }
 

@@ -172,7 +172,13 @@ Simulator drake_simulator() {
            "size and approach follow from that and can differ from the layer's",
            "the pair's friction is 2 mu_0 mu_1/(mu_0 + mu_1): both bodies need the same mu",
            "where both bodies are compliant their pressures meet halfway and the contact is larger",
-           "contact_model has to be hydroelastic, not point: a point contact carries no torque"}};
+           "contact_model has to be hydroelastic, not point: a point contact carries no torque"},
+          "Drake 1.56.0 (geometry/proximity/make_ellipsoid_field.h, "
+          "multibody/plant/coulomb_friction.h)",
+          "The foundation has its own, which follows from the modulus (a point contact takes "
+          "point_contact_stiffness); damping is hunt_crossley_dissipation in s/m. There is no "
+          "stiffness about the normal.",
+          kXmlComment};
 }
 
 }  // namespace softfinger::exporting

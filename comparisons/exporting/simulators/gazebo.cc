@@ -72,7 +72,12 @@ Simulator gazebo_simulator() {
        "with use_patch_radius false the radius is sqrt(surface_radius depth) with the solver's "
        "penetration depth, which is not an elastic indentation",
        "force and torque have separate limits: at 0.6 mu P the torque is 25 % above the ellipsoid; "
-       "each contact point adds a torque of its own"}};
+       "each contact point adds a torque of its own"},
+      "Gazebo Classic 11 (gazebo/physics/ode/ODEPhysics.cc, deps/opende/src/joints/contact.cpp)",
+      "It goes into <contact><ode><kp> of the surface, {k} N/m for each contact point; its damping "
+      "is "
+      "the sum of both surfaces' kd. There is no stiffness about the normal.",
+      kXmlComment};
 }
 
 }  // namespace softfinger::exporting

@@ -1,35 +1,56 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "comparisons/exporting/simulator.h"
 
-/// Gazebo Sim (gz-sim) with gz-physics. Its engines' SDFFeatures read of <surface><friction>:
-/// dartsim <ode> mu, mu2, slip and fdir1; bullet-featherstone <bullet> friction, friction2 and
-/// rolling_friction. Neither reads <torsional>, and bullet-featherstone sets no spinning friction.
-/// So a contact point has no torque about the normal, in either engine.
+/// Gazebo Sim (gz-sim) with the plugins of gz-physics, whose SDFFeatures read of
+/// <surface><friction>:
+/// - dartsim, the default: <ode> mu, mu2, slip and fdir1. DART has no torsional friction.
+/// - bullet-featherstone: <bullet> friction, friction2 and rolling_friction; <torsional>
+///   <coefficient> becomes Bullet's spinning friction, a length. A collision that states none has
+///   1 m, hundreds of times a fingertip's. Bullet's rule for pairs is that of bullet.cc. The plugin
+///   sets the numbers twice, as the body's friction and as the scale of Bullet's friction
+///   directions x and y: against an object of friction 1 a body of friction f slides at f² P. So f
+///   = sqrt(mu).
+/// - bullet (for tests): <ode> mu and mu2.
+/// - mujoco, from gz-physics 10 on: nothing. All geoms have MuJoCo's defaults, mu = 1 and condim 3,
+///   which has no torque.
 namespace softfinger::exporting {
 namespace {
 
-std::string surface(const SoftContact& contact) {
+/// @param torque_per_load_m  of each contact point, in Bullet alone
+std::string surface(const SoftContact& contact, double torque_per_load_m) {
   return fmt::format(
       "<surface>\n"
       "  <friction>\n"
       "    <ode><mu>{mu:.6g}</mu><mu2>{mu:.6g}</mu2></ode>\n"
-      "    <bullet><friction>{mu:.6g}</friction><friction2>{mu:.6g}</friction2></bullet>\n"
+      "    <bullet><friction>{root:.6g}</friction><friction2>{root:.6g}</friction2></bullet>\n"
+      "    <torsional><coefficient>{spin:.6g}</coefficient></torsional>\n"
       "  </friction>\n"
-      "</surface>\n",
-      fmt::arg("mu", contact.friction_coefficient));
+      "</surface>\n"
+      "<!-- the object: <ode> mu and mu2 {mu:.6g} or more, <bullet> friction and friction2 1, "
+      "<torsional><coefficient>0</coefficient></torsional> -->\n",
+      fmt::arg("mu", contact.friction_coefficient),
+      fmt::arg("root", std::sqrt(contact.friction_coefficient)),
+      fmt::arg("spin", torque_per_load_m));
 }
 
 Lines lines(const SoftContact& contact) {
   return {
       fmt::format(
-          "<!-- {origin}. Sliding friction only: no engine of gz-sim has torsional friction. What "
-          "can be done: three small spheres at the distance e_n = {e:.6g} m from the contact's "
-          "centre, in place of one; sharing the load they slip at mu e_n P -->\n"
+          "<!-- {origin}. torsional coefficient: m, largest torque / load = mu e_n, in "
+          "bullet-featherstone alone. With dartsim, the default, and with mujoco a point has no "
+          "torque; what can be done there: three small spheres at the distance e_n = {e:.6g} m "
+          "from the contact's centre, in place of one; sharing the load they slip at mu e_n P -->\n"
           "{surface}",
           fmt::arg("origin", contact.origin), fmt::arg("e", contact.eccentricity_m),
-          fmt::arg("surface", surface(contact))),
+          fmt::arg("surface", surface(contact, contact.torque_per_load_m()))),
       {{"sliding_friction", contact.friction_coefficient},
+       {"bullet_sliding_friction", std::sqrt(contact.friction_coefficient)},
+       {"bullet_spinning_friction_m", contact.torque_per_load_m()},
+       {"bullet_object_sliding_friction", 1.0},
+       {"bullet_object_spinning_friction_m", 0.0},
        {"three_points_radius_m", contact.eccentricity_m}}};
 }
 
@@ -40,7 +61,7 @@ Lines box_lines(const SoftContact& contact) {
                   "from the middle: they slip together at mu e_n P -->\n"
                   "<geometry><box><size>{x:.6g} {y:.6g} {z:.6g}</size></box></geometry>\n{surface}",
                   fmt::arg("origin", contact.origin), fmt::arg("e", contact.face->eccentricity_m),
-                  fmt::arg("surface", surface(contact)), fmt::arg("x", 2 * x_m),
+                  fmt::arg("surface", surface(contact, 0)), fmt::arg("x", 2 * x_m),
                   fmt::arg("y", 2 * y_m), fmt::arg("z", contact.face->thickness_m)),
       {{"sliding_friction", contact.friction_coefficient},
        {"box_half_length_x_m", x_m},
@@ -53,18 +74,33 @@ Simulator gz_sim_simulator() {
   Simulator simulator = {
       "gz-sim",
       "Gazebo Sim",
-      "|f| <= mu P; no torque about the normal",
+      "dartsim (the default) and mujoco: |f| <= mu P, no torque about the normal; "
+      "bullet-featherstone: apart from |f|, |torque| <= mu e_n P",
       0,
       0,
       lines,
       box_lines,
       {"dartsim (the default) reads <ode> mu, mu2, slip and fdir1 and ignores <torsional>, "
        "<bullet>, kp and kd",
-       "bullet-featherstone reads <bullet> friction, friction2 and rolling_friction and ignores "
-       "<ode> and <torsional>; it has one friction for all collisions of a link",
+       "bullet-featherstone takes <torsional><coefficient> as a length, 1 m where none is stated: "
+       "an object that states none holds any torque; it ignores <ode> and patch_radius, and has "
+       "one "
+       "friction for all collisions of a link",
+       "bullet-featherstone multiplies <bullet> friction by itself (a body of friction 0.5 slides "
+       "at "
+       "0.25 P), so the lines have the root of mu; this is so along the link's x and y axes, and "
+       "the contact's normal has to be its z axis",
+       "mujoco reads no friction from SDF: mu is 1 and a point has no torque",
        "three contact points resist tilting, too, which a soft fingertip does far less; on a "
-       "curved object they do not touch together",
-       "Gazebo Classic is --to gazebo"}};
+       "curved object they do not touch together, and with bullet-featherstone their torques would "
+       "need a coefficient of 0",
+       "Gazebo Classic is --to gazebo"},
+      "gz-physics 10.0.0-pre1 (dartsim/src/SDFFeatures.cc, SimulationFeatures.cc; "
+      "bullet-featherstone/src/SDFFeatures.cc, since 7.1.0; mujoco/src/SDFFeatures.cc); "
+      "bullet-featherstone's numbers were measured in Bullet 3.24",
+      "The plugins read none from SDF: dartsim ignores kp and kd, bullet-featherstone sets its own "
+      "for meshes, mujoco keeps MuJoCo's defaults.",
+      kXmlComment};
   simulator.has_torque = false;
   return simulator;
 }

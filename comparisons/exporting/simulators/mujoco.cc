@@ -80,7 +80,12 @@ Simulator mujoco_simulator() {
        "the torques of several contact points of one pair add up",
        "solref and solimp are divided by masses: softfinger apply --effective-mass-g finds those "
        "that "
-       "give dP/dd; softfinger apply --plugin lets the torque follow the load"}};
+       "give dP/dd; softfinger apply --plugin lets the torque follow the load"},
+      "MuJoCo 3.12.0 (src/engine/engine_core_constraint.c, engine_collision_driver.c), and "
+      "measured in 2.2.2 and 3.14.0",
+      "It is divided by masses: the attributes solref and solimp of both geoms hold it for one "
+      "effective mass. MuJoCo has no stiffness about the normal: stuck friction creeps.",
+      kXmlComment};
 }
 
 }  // namespace softfinger::exporting

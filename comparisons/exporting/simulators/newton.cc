@@ -112,13 +112,18 @@ Simulator newton_simulator() {
       1e-5,  // mjMINMU, through MuJoCo
       lines,
       box_lines,
-      {"mu_torsional is a length, mu e_n; other solvers than SolverMuJoCo read it otherwise or "
-       "not at all",
+      {"mu_torsional is a length, mu e_n; of two shapes SolverMuJoCo takes the larger one, "
+       "SolverXPBD the mean, apart from the sliding limit, and SolverVBD none",
        "condim is 3 unless mujoco.condim says 4: torsional friction then has no effect",
        "hydroelastic contact needs is_hydroelastic on both shapes, whose kh act in series: the "
        "object's has to be far larger, or both twice as large",
-       "solvers may scale ke and kh by masses; planes and height fields are never "
-       "hydroelastic"}};
+       "SolverMuJoCo takes ke and kd per unit of mass: they are N/m and N s/m only where both "
+       "shapes' mujoco.solref_mode is its force-space mode, on its GPU path with Newton's own "
+       "contacts; it may scale kh likewise",
+       "planes and height fields are never hydroelastic"},
+      "Newton 1.5.0 (newton/_src/solvers/mujoco/kernels.py, solver_mujoco.py, "
+      "solvers/xpbd/kernels.py)",
+      "It goes into ke, and damping into kd in N s/m; Newton has no stiffness about the normal."};
 }
 
 }  // namespace softfinger::exporting

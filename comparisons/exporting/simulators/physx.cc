@@ -1,16 +1,14 @@
 #include <fmt/format.h>
 
 #include "comparisons/exporting/simulator.h"
+#include "comparisons/exporting/simulators/patch_friction.h"
 
-/// PhysX 5 (reference of PxShape, and how the TGS solver prepares contacts). The torque about the
-/// normal is at most r mu N, whatever the sliding force, with r = max(minTorsionalPatchRadius,
-/// sqrt(torsionalPatchRadius penetration)). The larger radii of the two shapes count. There is no
-/// factor for a pressure distribution, so r is e_n itself. The penetration is that of the solver,
-/// near zero, and not an elastic indentation: only the first radius can describe the contact.
+/// PhysX 5: the law stands in patch_friction.h.
 namespace softfinger::exporting {
 namespace {
 
 Lines lines(const SoftContact& contact) {
+  const PatchRadii radii = patch_radii(contact);
   // '#' prints a decimal point even for whole numbers, because 1f is not a number in C++.
   return {
       fmt::format(
@@ -19,13 +17,13 @@ Lines lines(const SoftContact& contact) {
           "sceneDesc.solverType = physx::PxSolverType::eTGS;\n"
           "physx::PxMaterial* material = physics.createMaterial({mu:#.6g}f, {mu:#.6g}f, 0.0f);\n"
           "material->setFrictionCombineMode(physx::PxCombineMode::eMIN);\n"
-          "fingertip->setMinTorsionalPatchRadius({e:#.6g}f);\n"
-          "fingertip->setTorsionalPatchRadius(0.0f);\n",
+          "fingertip->setMinTorsionalPatchRadius({least:#.6g}f);\n"
+          "fingertip->setTorsionalPatchRadius({radius:.1f}f);\n",
           fmt::arg("origin", contact.origin), fmt::arg("mu", contact.friction_coefficient),
-          fmt::arg("e", contact.eccentricity_m)),
+          fmt::arg("least", radii.min_radius_m), fmt::arg("radius", radii.radius_m)),
       {{"sliding_friction", contact.friction_coefficient},
-       {"min_torsional_patch_radius_m", contact.eccentricity_m},
-       {"torsional_patch_radius_m", 0.0}}};
+       {"min_torsional_patch_radius_m", radii.min_radius_m},
+       {"torsional_patch_radius_m", radii.radius_m}}};
 }
 
 /// Two of the corners are a patch's anchors. Each has the whole mu P unless the material shares the
@@ -54,22 +52,24 @@ Simulator physx_simulator() {
   return {
       "physx",
       "PhysX",
-      "|f| <= mu P and, apart from it, |torque| <= mu r P with r constant, or growing with the "
-      "penetration",
+      kPatchFrictionLaw,
       0,
       0,
       lines,
       box_lines,
-      {"torsional friction exists only with the TGS solver (the default is PGS), and only where "
-       "the "
-       "patch has a single contact point (sphere, ellipsoid; not box on box)",
-       "r is e_n itself, not the contact's radius (3 pi/16 of it for a round Hertz contact)",
+      {kTorsionNeedsTgs, "the default solver is PGS", kRadiusIsEccentricity,
        "torsionalPatchRadius would add sqrt(radius penetration) with the solver's penetration, and "
-       "is "
-       "0 here to leave that out; of each radius the larger of the two shapes counts",
+       "is 0 here to leave that out; of each radius the larger of the two shapes counts",
        "friction is averaged over the two materials unless a combine mode says otherwise (here "
-       "the smaller one); force and torque have separate limits: at 0.6 mu P the torque is 25 % "
-       "above the ellipsoid"}};
+       "the smaller one)",
+       kSecondAnchor, kSeparateLimits},
+      "PhysX 5.8.0 (physx/source/lowleveldynamics/src/DyTGSContactPrep.cpp, "
+      "DyFrictionCorrelation.cpp), and measured in 5.6.1",
+      "A restitution of -{k} makes each contact point a spring of that many N/m, "
+      "material->setDamping damps it (before PhysX 5.4 only with the flag eCOMPLIANT_CONTACT), and "
+      "sceneDesc.frictionCorrelationDistance = 1e-5f keeps its torque; "
+      "there is no stiffness about the normal.",
+      kCppComment};
 }
 
 }  // namespace softfinger::exporting
