@@ -78,7 +78,7 @@ void add_experiments(CLI::App& app, Action& action, const std::string& command_l
       "  [bonded_disc]   a disc between two plates, drawn apart\n"
       "The built-in files in share/softfinger/experiments show all keys.\n"
       "Samples:\n"
-      "  softfinger experiments suntouch_v3\n"
+      "  softfinger experiments gelsight_golf_ball\n"
       "  softfinger experiments xydas_kao_1999 waltersson_2024_in_hand --json");
   command->callback([options, page, &action] {
     options->write_page = page->count() > 0;

@@ -11,6 +11,7 @@
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/reference/fem_process.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/pressure/equivalent_exponent.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -32,6 +33,15 @@ bool has_cheap_pressure(const ModelAnswer& answer) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count() < kAffordable_ms;
 }
 
+double pressure_Pa(const ModelAnswer& answer, double x_m, double y_m) {
+  const Prediction& pressed = answer.pressed();
+  if (!answer.rubbed || answer.model->card().hot_path)
+    return answer.model->pressure_Pa(answer.problem, pressed, x_m, y_m);
+  // A solved pressure is that of pressing without friction.
+  const double inside = 1 - std::pow(x_m / pressed.a_m, 2) - std::pow(y_m / pressed.b_m, 2);
+  return pressed.peak_pressure_Pa * std::pow(std::max(0., inside), equivalent_exponent(pressed));
+}
+
 PressureProfile profile(const ModelAnswer& answer, bool along_x) {
   constexpr int kPoints = 61;
   constexpr double kQuarterTurn_rad = 1.57079632679489662;
@@ -41,8 +51,7 @@ PressureProfile profile(const ModelAnswer& answer, bool along_x) {
     // Denser towards the edge, where a Hertz pressure falls steeply.
     const double x_m = end_m * std::sin(kQuarterTurn_rad * i / (kPoints - 1));
     profile.position_m.push_back(x_m);
-    profile.pressure_Pa.push_back(answer.model->pressure_Pa(answer.problem, answer.pressed(),
-                                                            along_x ? x_m : 0, along_x ? 0 : x_m));
+    profile.pressure_Pa.push_back(pressure_Pa(answer, along_x ? x_m : 0, along_x ? 0 : x_m));
   }
   return profile;
 }

@@ -18,8 +18,8 @@ LadderNumbers numbers_of(const RelativeErrors& errors) {
   return {errors.a, errors.b, errors.area, errors.indentation, errors.max_torque};
 }
 
-LadderNumbers departure(const reference::ReferenceResult& result,
-                        const reference::ReferenceResult& reference) {
+template <class Result>
+LadderNumbers departure(const Result& result, const reference::ReferenceResult& reference) {
   return {result.a_m / reference.a_m - 1, result.b_m / reference.b_m - 1,
           result.area_projected_m2 / reference.area_projected_m2 - 1,
           result.indentation_m / reference.indentation_m - 1,
@@ -108,12 +108,12 @@ std::optional<Ladder> make_ladder(const Comparison& comparison,
   if (idealised.flat_finite)
     ladder.steps.push_back({"fem_flat_finite", "a flat layer at finite strain",
                             departure(*idealised.flat_finite, reference)});
-  if (idealised.frictionless) {
+  if (reference.frictionless) {
     input::Case frictionless = contact_case;
     frictionless.pressing = PressingFriction::none;
     ladder.steps.push_back({"fem_frictionless",
                             reference_in_words(frictionless) + ", pressed without friction",
-                            departure(*idealised.frictionless, reference)});
+                            departure(*reference.frictionless, reference)});
   }
   ladder.steps.push_back({contact_case.fem_curved   ? "fem_finger_finite"
                           : contact_case.fem_finite ? "fem_flat_finite"

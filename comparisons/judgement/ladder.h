@@ -34,7 +34,7 @@ struct Ladder {
 /// References of the same contact with fewer effects than the case's own. Each is absent where the
 /// case's own reference is that one, and where it failed.
 struct IdealisedReferences {
-  std::optional<reference::ReferenceResult> flat_linear, flat_finite, frictionless;
+  std::optional<reference::ReferenceResult> flat_linear, flat_finite;
 };
 
 /// @returns nothing without a reference

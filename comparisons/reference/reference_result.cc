@@ -95,6 +95,17 @@ std::vector<ReferenceLevel> read_levels(const json& document) {
   return levels;
 }
 
+std::optional<FrictionlessReference> read_frictionless(const json& document) {
+  const auto found = document.find("frictionless");
+  if (found == document.end()) return std::nullopt;
+  if (!found->is_object()) throw Flaw{"frictionless is no JSON object"};
+  require_positive(*found, "frictionless: ",
+                   {"a_m", "b_m", "indentation_m", "area_projected_m2", "max_torque_Nm"});
+  const auto number = [&](const char* key) { return number_or_nan(*found, key); };
+  return FrictionlessReference{number("a_m"), number("b_m"), number("indentation_m"),
+                               number("area_projected_m2"), number("max_torque_Nm")};
+}
+
 PressureProfile read_profile(const json& document, const char* key) {
   const auto found = document.find(key);
   if (found == document.end() || !found->is_object()) throw Flaw{std::string(key) + " is missing"};
@@ -164,6 +175,7 @@ ReferenceResult read(const json& document) {
   const auto coarse = document.find("coarse");
   result.coarse = coarse != document.end() && coarse->is_boolean() && coarse->get<bool>();
   result.levels = read_levels(document);
+  result.frictionless = read_frictionless(document);
   result.error = read_errors(document);
   result.geometry_error = read_geometry_errors(document);
   result.is_geometry_unknown = document.contains("geometry_error") && !result.geometry_error;

@@ -44,6 +44,11 @@ struct TwistedContact {
   std::vector<TwistState> states;
 };
 
+/// Numbers of the contact when it is pressed without friction.
+struct FrictionlessReference {
+  double a_m, b_m, indentation_m, area_projected_m2, max_torque_Nm;
+};
+
 struct ReferenceResult {
   double load_N = 0;
   double a_m = 0, b_m = 0;
@@ -62,7 +67,8 @@ struct ReferenceResult {
   std::optional<ReferenceErrors> geometry_error;  ///< what a scan's facets and noise leave open
   /// Whether `geometry_error` is unknown because a perturbed scan could not be pressed.
   bool is_geometry_unknown = false;
-  std::vector<ReferenceLevel> levels;  ///< at least one
+  std::optional<FrictionlessReference> frictionless;  ///< where it is pressed with friction
+  std::vector<ReferenceLevel> levels;                 ///< at least one
   PressureProfile along_x, along_y;
   std::optional<std::string> vtu_file;
   std::optional<TwistedContact> twist;

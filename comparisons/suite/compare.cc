@@ -61,7 +61,7 @@ struct LoadRun {
 /// A case's reference, and what the ladder needs beside it.
 struct PlannedCase {
   input::Case reference;
-  std::optional<input::Case> flat_linear, flat_finite, frictionless;
+  std::optional<input::Case> flat_linear, flat_finite;
 };
 
 /// The cases of a run by their kind; flat pads have elements, models and verdicts of their own.
@@ -83,16 +83,12 @@ int level_of(const input::Case& contact_case, const CompareOptions& options) {
 
 constexpr const char* kFlatLinear = "flat, linear";
 constexpr const char* kFlatFinite = "flat, finite strain";
-constexpr const char* kFrictionless = "frictionless";
 
 PlannedCase planned(input::Case reference, bool quick) {
-  PlannedCase plan{std::move(reference), {}, {}, {}};
+  PlannedCase plan{std::move(reference), {}, {}};
   if (quick || !plan.reference.fem_mesh.empty()) return plan;
   input::Case simpler = plan.reference;
-  if (simpler.pressing != PressingFriction::none) {
-    simpler.pressing = PressingFriction::none;
-    plan.frictionless = simpler;
-  }
+  simpler.pressing = PressingFriction::none;
   if (simpler.fem_curved) {
     simpler.fem_curved = false;
     if (simpler.fem_finite) plan.flat_finite = simpler;
@@ -335,7 +331,6 @@ std::vector<LoadRun> plan_runs(const std::vector<PlannedCase>& cases, const Comp
       add(contact_case, "", "");
       if (plan.flat_linear) add(*plan.flat_linear, kFlatLinear, "_flat_linear");
       if (plan.flat_finite) add(*plan.flat_finite, kFlatFinite, "_flat_finite");
-      if (plan.frictionless) add(*plan.frictionless, kFrictionless, "_frictionless");
     }
   }
   return runs;
@@ -365,9 +360,8 @@ SuiteComparison compare_all(const std::vector<PlannedCase>& cases, std::vector<L
       loads.back().object_picture = std::move(run->object_picture);
       judgement::IdealisedReferences idealised;
       for (++run; run != runs.end() && !run->idealised.empty(); ++run)
-        (run->idealised == kFlatLinear   ? idealised.flat_linear
-         : run->idealised == kFlatFinite ? idealised.flat_finite
-                                         : idealised.frictionless) = std::move(run->reference);
+        (run->idealised == kFlatLinear ? idealised.flat_linear : idealised.flat_finite) =
+            std::move(run->reference);
       loads.back().ladder = judgement::make_ladder(loads.back(), idealised);
     }
     suite.cases.push_back(

@@ -74,6 +74,8 @@ class FiniteContact : public ContactPhysics {
     return press_from(pressing_.get(), mesh);
   }
 
+  bool rubs_on_levels_only() const override { return problem_.pressing != PressingFriction::none; }
+
   std::optional<Obstacle> rub() override {
     if (problem_.pressing == PressingFriction::none) return std::nullopt;
     Outcome<std::shared_ptr<FiniteLayer>, FoldedLayer> layer = make_layer(discretisation());

@@ -44,8 +44,7 @@ struct Measurement {
   double block_a = 0, block_b = 0;  ///< semi-axes along the surface, in h, for the next mesh
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< of the pressure, across the load, in h
   double residual = 0;  ///< worst of the equilibrium's and the contact's, relative
-  /// The answer without friction while pressing, where `result` has it by `rub`.
-  std::optional<LevelResult> frictionless;
+  std::optional<LevelResult> frictionless;  ///< where `result` is pressed with friction
 };
 
 /// The load was not reached on a mesh, which may be far too wide and coarse for it.
@@ -110,6 +109,7 @@ class ContactPhysics {
   /// a scan are compared without friction.
   /// @throws InputError, ConvergenceError, NotEnoughMemory
   virtual std::optional<Obstacle> rub() { return std::nullopt; }
+  virtual bool rubs_on_levels_only() const { return false; }
 
   virtual RoughSize size() const = 0;
 

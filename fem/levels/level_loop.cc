@@ -77,7 +77,7 @@ class LevelLoop {
     if (!wall_is_near(measured_on_)) return solve_finer_level();
     // The finer level does not depend on the wall, so both can be solved side by side.
     const auto press_other = physics_.press_other();
-    const LevelResult free = compared_;
+    const LevelResult free = compared();
     const LayerDiscretisation mesh =
         physics_.shares_meshes() ? physics_.discretisation() : measured_on_;
     // The finer level may lay a scan's layer anew.
@@ -212,7 +212,7 @@ class LevelLoop {
     result.cpu_s = watch.cpu_seconds();
     tell(found);
     solved_.results.push_back(result);
-    compared_ = found.frictionless.value_or(result);
+    solved_.frictionless = found.frictionless;
     solved_.misfit = std::max(solved_.misfit, misfit(mesh_, found.block_a, found.block_b));
     measured_on_ = mesh_;
     fit_to(found.block_a, found.block_b, mesh_);
@@ -241,6 +241,11 @@ class LevelLoop {
     task_.progress(formatted("stopped: the answer is that of level %d", level));
   }
 
+  /// The last level's answer as trials and other walls are pressed.
+  const LevelResult& compared() const {
+    return physics_.rubs_on_levels_only() ? *solved_.frictionless : solved_.fine();
+  }
+
   /// The trial's answer, changed by friction as the finished level was.
   LevelResult trial_as_rubbed() const {
     LevelResult result = trial_.contact.result;
@@ -248,7 +253,7 @@ class LevelLoop {
          {&LevelResult::a_m, &LevelResult::b_m, &LevelResult::area_projected_m2,
           &LevelResult::area_m2, &LevelResult::indentation_m, &LevelResult::peak_pressure_Pa,
           &LevelResult::centre_pressure_Pa, &LevelResult::pressure_arm_m, &LevelResult::load_N})
-      result.*quantity *= solved_.fine().*quantity / compared_.*quantity;
+      result.*quantity *= solved_.fine().*quantity / compared().*quantity;
     return result;
   }
 
@@ -260,7 +265,6 @@ class LevelLoop {
   int level_refinement_ = 1;
   double room_ = 1;                  ///< of the patch, over that of the usual one
   LayerDiscretisation measured_on_;  ///< mesh of the last level
-  LevelResult compared_;             ///< of the last level, pressed as trials and other walls are
   std::optional<FrictionPlan> plan_;
   SolvedLevels solved_;
 };
@@ -309,7 +313,8 @@ Outcome<Result, Unsolved> solve_on_levels(ContactPhysics& physics, const Contact
   if (unsolved) return *unsolved;
   SolvedLevels& solved = levels.solved();
   if (!meshes_serve(solved, physics.error_table(), task)) return Unsolved(MeshesDoNotServe{});
-  correct_wall(solved.wall, solved.results);
+  for (LevelResult& level : solved.results) correct_wall(solved.wall, level);
+  if (solved.frictionless) correct_wall(solved.wall, *solved.frictionless);
   return stated_result(std::move(solved), scan, physics, task);
 }
 

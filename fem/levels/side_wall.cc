@@ -48,22 +48,20 @@ Outcome<WallChange, Obstacle> measure_wall(const ContactTask& task, LayerDiscret
   return wall;
 }
 
-void correct_wall(const WallChange& wall, std::vector<LevelResult>& levels) {
-  for (LevelResult& level : levels) {
-    level.a_m *= 1 + wall.a;
-    level.b_m *= 1 + wall.b;
-    level.area_projected_m2 *= 1 + wall.area;
-    level.area_m2 *= 1 + wall.area;
-    level.indentation_m *= 1 + wall.indentation;
-    level.peak_pressure_Pa *= 1 + wall.peak_pressure;
-    level.centre_pressure_Pa *= 1 + wall.peak_pressure;
-    level.max_torque_Nm *= 1 + wall.max_torque;
-    level.max_force_N *= 1 + wall.max_force;
-    level.torque_arm_m *= 1 + wall.a;
-    level.pressure_arm_m *= 1 + wall.a;
-    level.max_torque_projected_Nm *= 1 + wall.max_torque;
-    level.load_N *= 1 + wall.load;
-  }
+void correct_wall(const WallChange& wall, LevelResult& level) {
+  level.a_m *= 1 + wall.a;
+  level.b_m *= 1 + wall.b;
+  level.area_projected_m2 *= 1 + wall.area;
+  level.area_m2 *= 1 + wall.area;
+  level.indentation_m *= 1 + wall.indentation;
+  level.peak_pressure_Pa *= 1 + wall.peak_pressure;
+  level.centre_pressure_Pa *= 1 + wall.peak_pressure;
+  level.max_torque_Nm *= 1 + wall.max_torque;
+  level.max_force_N *= 1 + wall.max_force;
+  level.torque_arm_m *= 1 + wall.a;
+  level.pressure_arm_m *= 1 + wall.a;
+  level.max_torque_projected_Nm *= 1 + wall.max_torque;
+  level.load_N *= 1 + wall.load;
 }
 
 }  // namespace softfinger::fem

@@ -19,7 +19,7 @@ Outcome<WallChange, Obstacle> measure_wall(const ContactTask& task, LayerDiscret
                                            const LevelResult& free,
                                            const ContactPhysics::PressOther& press);
 
-/// Corrects the levels for the wall.
-void correct_wall(const WallChange& wall, std::vector<LevelResult>& levels);
+/// Corrects a level for the wall.
+void correct_wall(const WallChange& wall, LevelResult& level);
 
 }  // namespace softfinger::fem

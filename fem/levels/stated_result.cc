@@ -101,6 +101,7 @@ Result stated_result(SolvedLevels levels, const ScanErrors& scan, ContactPhysics
   result.geometry_error = scan.geometry;
   result.interrupted = levels.interrupted;
   state_errors(levels, scan, physics.error_table(), task, result);
+  result.frictionless = levels.frictionless;
   result.levels = std::move(levels.results);
   describe(physics, task, result);
   return result;

@@ -9,8 +9,9 @@ namespace softfinger::fem {
 
 /// The answers of two levels.
 struct SolvedLevels {
-  std::vector<LevelResult> results;       ///< coarse to fine
-  std::vector<FrictionOfLevel> friction;  ///< of each; empty without friction
+  std::vector<LevelResult> results;         ///< coarse to fine
+  std::vector<FrictionOfLevel> friction;    ///< of each; empty without friction
+  std::optional<LevelResult> frictionless;  ///< of the fine one, where friction pressed it
   WallChange wall;
   double misfit = 0;         ///< largest of both levels: how far contact and mesh differ in size
   bool interrupted = false;  ///< the coarse one is the trial mesh

@@ -185,6 +185,13 @@ class LinearContact : public ContactPhysics {
     else if (is_kept_level())
       meshes_.made_for[place()] = {shape_.block_a, shape_.block_b};
     measurement.residual = std::max(result.load_residual, result.complementarity_residual);
+    if (frictionless_) {
+      shape = measure_shape(*frictionless_, task_.pressing);
+      if (!shape) return shape.reason();
+      measurement.frictionless = result;
+      set_shape(*shape, h, E, *measurement.frictionless);
+      measurement.frictionless->indentation_m = frictionless_->contact.approach * h;
+    }
     return measurement;
   }
 

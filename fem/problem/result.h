@@ -107,6 +107,8 @@ struct Result {
   /// The layer is meshed on one side of these: a quarter of it with both, a half with one of them.
   MirrorPlanes planes;
   LevelResult finest;
+  /// `finest` if it were pressed without friction; set where the problem presses with it.
+  std::optional<LevelResult> frictionless;
   std::vector<LevelResult> levels;  ///< coarse to fine, `finest` included
   RelativeError error;
   /// Half of what a clamped side wall changes, from the free one, measured on the coarse level. A

@@ -149,6 +149,13 @@ json to_json(const Problem& problem, const Result& result) {
                  {"wall_s", result.wall_s},
                  {"cpu_s", result.cpu_s},
                  {"peak_memory_MB", result.peak_memory_MB}};
+  if (const auto& without = result.frictionless)
+    output["frictionless"] = {{"a_m", without->a_m},
+                              {"b_m", without->b_m},
+                              {"indentation_m", without->indentation_m},
+                              {"area_projected_m2", without->area_projected_m2},
+                              {"peak_pressure_Pa", without->peak_pressure_Pa},
+                              {"max_torque_Nm", without->max_torque_Nm}};
   if (problem.finite_strain) {
     output["max_torque_projected_Nm"] = finest.max_torque_projected_Nm;
     output["strain_energy_J"] = finest.strain_energy_J;

@@ -402,8 +402,8 @@ ProgramRun apply_shapes(const Start& start, const std::vector<std::string>& more
 
 TEST_F(Apply, TakesTheRadiiOfTheFingersOwnShape) {
   folder.write("shapes.xml", kShapes);
-  const auto expect_radii = [&](const std::vector<std::string>& more, double major_mm,
-                                double minor_mm) {
+  const auto expect_radii = [&](std::vector<std::string> more, double major_mm, double minor_mm) {
+    more.insert(more.end(), {"--tolerance", "0.15"});
     const ProgramRun run = apply_shapes(start, more);
     ASSERT_EQ(run.status, 0) << run.err;
     const json finger = json::parse(run.out)["fingers"][0];
@@ -418,7 +418,9 @@ TEST_F(Apply, TakesTheRadiiOfTheFingersOwnShape) {
                                   "0.45\n[contact]\nload_N = 2\nfriction_coefficient = 0.8\n");
     if (std::find(more.begin(), more.end(), "--object-radius-mm") != more.end()) return;
     const json exported =
-        json::parse(run_softfinger(start, {"export", "case.toml", "--to", "mujoco", "--json"}).out);
+        json::parse(run_softfinger(start, {"export", "case.toml", "--to", "mujoco", "--tolerance",
+                                           "0.15", "--json"})
+                        .out);
     // Six decimals of the radii in mm.
     EXPECT_NEAR(finger["eccentricity_m"].get<double>() / exported["eccentricity_m"].get<double>(),
                 1, 1e-5);

@@ -107,7 +107,7 @@ TEST(Assessment, OfFrictionWhilePressingLeavesTheTorqueAndWidensTheRest) {
   const std::string nu = "poisson_ratio = 0.45";
   text.replace(text.find(nu), nu.size(), "poisson_ratio = 0.49");
   for (const char* model : {"bonded_layer", "hertz", "fingertip_layer"}) {
-    const Asked frictionless(text, model);
+    const Asked frictionless(text + "pressing = \"frictionless\"\n", model);
     const Asked rubbed(text + "pressing = \"coulomb\"\n", model);
     const bool knows = std::string(model) != "hertz";
     EXPECT_EQ(rubbed.answer.rubbed.has_value(), knows) << model;

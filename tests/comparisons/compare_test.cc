@@ -343,16 +343,20 @@ TEST_F(Compare, SolvesWhatTheLadderNeedsBesideTheReference) {
   ASSERT_EQ(compare_in_full().status, 0);
   EXPECT_EQ(solves(), 4) << "at finite strain and in linear theory";
   const json report = json::parse(file_text(output / "report.json"));
-  EXPECT_EQ(report["cases"][0]["reference"], "a flat layer at finite strain");
+  EXPECT_EQ(report["cases"][0]["reference"],
+            "a flat layer at finite strain, pressed with friction");
   for (const json& load : report["cases"][0]["loads"]) {
     std::vector<std::string> steps;
     for (const json& step : load["ladder"]) {
       steps.push_back(step["step"]);
       EXPECT_EQ(step["quantity"].size(), 5u);
     }
-    EXPECT_EQ(steps, (std::vector<std::string>{"closed_form", "layer_flat_linear",
-                                               "fem_flat_linear", "fem_flat_finite", "elements"}));
-    EXPECT_EQ(load["ladder"][3]["quantity"]["area"], 0.0) << "the reference itself";
+    EXPECT_EQ(steps,
+              (std::vector<std::string>{"closed_form", "layer_flat_linear", "fem_flat_linear",
+                                        "fem_frictionless", "fem_flat_finite", "elements"}));
+    EXPECT_NEAR(load["ladder"][3]["quantity"]["indentation"], 0.02, 1e-12)
+        << "of the same run, pressed without friction";
+    EXPECT_EQ(load["ladder"][4]["quantity"]["area"], 0.0) << "the reference itself";
     double area = 0;
     for (const json& model : load["models"])
       if (model["model"] == "bonded_layer") area = model["relative_error"]["area"];

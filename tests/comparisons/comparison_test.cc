@@ -29,7 +29,7 @@ const input::Case& elongated() {
   static const input::Case contact_case = input::parse_case(
       "id = \"long\"\n[geometry]\nrelative_radii_mm = [40, 5]\n"
       "[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.4\n"
-      "[contact]\nload_N = [1.0, 2.0]\nfriction_coefficient = 0.8\n",
+      "[contact]\nload_N = [1.0, 2.0]\nfriction_coefficient = 0.8\npressing = \"frictionless\"\n",
       "long.toml");
   return contact_case;
 }

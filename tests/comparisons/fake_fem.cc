@@ -142,6 +142,12 @@ nlohmann::json answer(const nlohmann::json& problem) {
                  {"profile_x", profile},
                  {"profile_y", profile},
                  {"vtu", vtu}});
+  if (problem.value("pressing", "frictionless") != "frictionless")
+    result["frictionless"] = {{"a_m", 1.01 * a_m},
+                              {"b_m", 1.01 * a_m},
+                              {"indentation_m", 1.02 * a_m * a_m / radius_m},
+                              {"area_projected_m2", 1.01 * 1.01 * pi * a_m * a_m},
+                              {"max_torque_Nm", level["max_torque_Nm"]}};
   if (!option("FAKE_FEM_UNREAD_SCAN").empty()) result["geometry_error"] = nullptr;
   return result;
 }

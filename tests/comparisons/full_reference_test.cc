@@ -29,7 +29,8 @@ TEST(FullReference, IsTheFingerAtFiniteStrain) {
   const input::Case found = full(case_with(kBodies, 2));
   EXPECT_TRUE(found.fem_curved);
   ASSERT_TRUE(found.fem_finite);
-  EXPECT_EQ(judgement::reference_in_words(found), "the finger at finite strain");
+  EXPECT_EQ(judgement::reference_in_words(found),
+            "the finger at finite strain, pressed with friction");
   const auto& finger =
       std::get<input::QuadricBody>(std::get<input::BodyPair>(found.geometry).finger);
   EXPECT_EQ(finger.shape, input::FingerShape::ellipsoid);
@@ -40,16 +41,6 @@ TEST(FullReference, IsLinearWhereNothingMoves) {
   EXPECT_FALSE(found.fem_curved) << "radii alone";
   EXPECT_FALSE(found.fem_finite);
   EXPECT_TRUE(full(case_with("relative_radii_mm = [20, 10]", 1)).fem_finite);
-}
-
-TEST(FullReference, IsLinearWhereItIsPressedWithFriction) {
-  input::Case typed = case_with(kBodies, 2);
-  typed.pressing = PressingFriction::coulomb;
-  const input::Case found = full(typed);
-  EXPECT_TRUE(found.fem_curved);
-  EXPECT_FALSE(found.fem_finite);
-  EXPECT_EQ(judgement::reference_in_words(found),
-            "the finger in linear theory, pressed with friction");
 }
 
 TEST(FullReference, LeavesOutWhatItIsAskedTo) {

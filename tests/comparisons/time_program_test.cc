@@ -61,7 +61,7 @@ TEST_F(TimeProgram, WithoutATimeALoadIsAnsweredAtOnceAndHeldForLong) {
   EXPECT_TRUE(both["history"].is_null());
   const ProgramRun text = run({"predict", creeps});
   // The elastic answers of both moduli, by the program without relaxation.
-  const std::string elastic = case_with("load_N = 2", "");
+  const std::string elastic = case_with("load_N = 2\npressing = \"frictionless\"", "");
   const json now = predicted({elastic})["results"][0];
   const json rest = predicted({elastic, "--set", "layer.youngs_modulus_kPa=240"})["results"][0];
   for (const char* key : {"a_m", "b_m", "indentation_m", "max_torque_Nm", "peak_pressure_Pa"}) {
@@ -81,7 +81,8 @@ TEST_F(TimeProgram, AnswersAtATimeWithTheLoadThatTheElasticContactWouldNeed) {
   const double effective_N = result["effective_load_N"];
   EXPECT_GT(effective_N, 2.2);
   EXPECT_LT(effective_N, 2.5);
-  const std::string elastic = case_with("load_N = " + std::to_string(effective_N), "");
+  const std::string elastic =
+      case_with("load_N = " + std::to_string(effective_N) + "\npressing = \"frictionless\"", "");
   const json same = predicted({elastic})["results"][0];
   EXPECT_NEAR(result["a_m"].get<double>() / same["a_m"].get<double>(), 1, 1e-6);
   EXPECT_NEAR(result["normal_stiffness_N_per_m"].get<double>() /

@@ -17,7 +17,13 @@ using exporting::XmlFile;
 
 RobotContact wanted_contact() {
   RobotContact wanted;
-  wanted.contact = {0.8, 2, 1e-3, 2e-4, 1e4, {0.02, 0.01, 0}, std::nullopt, "fuzzed"};
+  wanted.contact.friction_coefficient = 0.8;
+  wanted.contact.load_N = 2;
+  wanted.contact.eccentricity_m = 1e-3;
+  wanted.contact.indentation_m = 2e-4;
+  wanted.contact.normal_stiffness_N_per_m = 1e4;
+  wanted.contact.radii = {0.02, 0.01, 0};
+  wanted.contact.origin = "fuzzed";
   wanted.torque_error = "torque";
   wanted.force_error = "force";
   return wanted;
