@@ -130,9 +130,10 @@ class Fem(unittest.TestCase):
             ("indentation_m", result.error.indentation),
             ("max_torque_Nm", result.error.max_torque),
         ):
-            # bonded_layer itself is within 0.5 %, 1 % in the indentation.
+            # bonded_layer itself is within 0.5 %, 1 % in the indentation, and presses without
+            # friction, which is worth another 1 % there.
             relative = abs(getattr(model, name) / getattr(result, name) - 1)
-            self.assertLess(relative, error + 0.01, name)
+            self.assertLess(relative, error + 0.02, name)
 
 
 if __name__ == "__main__":
