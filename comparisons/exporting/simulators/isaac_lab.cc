@@ -10,7 +10,7 @@
 /// newton:torsionalFriction. The last is documented as a ratio and is a length all the same: Newton
 /// hands it to MuJoCo as the largest torque per load. Both engines then have the same mu e_n.
 ///
-/// Of a compliant and a rigid material PhysX takes the compliant one's stiffness. The contact is a
+/// PhysX takes the compliant material's stiffness where the other one is rigid. The contact is a
 /// linear spring of dP/dd, so that its penetration is P/(dP/dd), and not the model's indentation.
 namespace softfinger::exporting {
 namespace {
