@@ -118,10 +118,9 @@ struct Case {
   /// Whether [fem] chose them. `reference::with_full_reference` settles those that it left open.
   bool fem_geometry_typed = false, fem_kinematics_typed = false;
 
-  /// The coefficient that acts while the contact is pressed; infinite where all sticks.
-  double pressed_friction_coefficient() const {
-    return pressing == PressingFriction::stuck ? std::numeric_limits<double>::infinity()
-                                               : shear_law.friction_coefficient;
+  /// The coefficient that acts while the contact is pressed.
+  double pressing_friction_coefficient() const {
+    return softfinger::pressing_friction_coefficient(pressing, shear_law.friction_coefficient);
   }
 
   /// With the sublayers where there are not more than models take.

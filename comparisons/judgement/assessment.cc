@@ -7,9 +7,9 @@
 #include <string_view>
 
 #include "comparisons/judgement/atlas/error_atlas.h"
+#include "softfinger/accuracy/pressing_error.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/layer/fingertip_layer_core.h"
-#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -51,39 +51,6 @@ QuantityErrors change_by_logarithmic_energy(const prediction::ModelAnswer& answe
   QuantityErrors change = kPerStrain;
   for (double& one : change) one *= scale;
   return change;
-}
-
-/// Relative changes that an answer may miss where the contact is pressed with friction: what the
-/// ratios leave that know the strain (rubbed_prediction.h), and for a model of linear elasticity,
-/// or of no friction, how far its own are from these. With the bound of frictionless pressing they
-/// hold 96 % of the errors in b, and all in a, d and area, of 52 fingers that nothing was fitted to
-/// (`softfinger atlas --random 55 --seed 7 --fingertips --rubbed`). In the pressed arm, and so in
-/// the peak, all miss up to 4.5 times the linear change. The largest torque does not change.
-QuantityErrors missed_of_pressing_friction(const input::Case& contact_case,
-                                           const prediction::ModelAnswer& answer) {
-  constexpr double kFit = 0.003, kOfSize = 0.2, kOfIndentation = 0.25, kArm = 4.5;
-  const Prediction& frictionless = answer.prediction;
-  const double mu = contact_case.pressed_friction_coefficient();
-  const ElasticLayer& layer = answer.problem.layer;
-  const RubbedRatios known =
-      rubbed_ratios(layer.poisson_ratio,
-                    std::sqrt(frictionless.a_m) * std::sqrt(frictionless.b_m) / layer.thickness_m,
-                    mu, frictionless.indentation_m / layer.thickness_m);
-  const Prediction linear = softfinger::rubbed(*answer.model, frictionless, answer.problem, mu);
-  const double arm = 1 - linear.torque_arm_exact_m / frictionless.torque_arm_exact_m;
-  const double peak = linear.peak_pressure_Pa / frictionless.peak_pressure_Pa - 1;
-  QuantityErrors missed{};
-  const auto at = [&](Quantity quantity) -> double& { return missed[std::size_t(quantity)]; };
-  at(Quantity::a) = at(Quantity::b) =
-      kFit + kOfSize * (1 - known.size) +
-      std::abs(answer.pressed().a_m / frictionless.a_m - known.size);
-  at(Quantity::area) = 2 * at(Quantity::a);
-  at(Quantity::indentation) =
-      kFit + kOfIndentation * (1 - known.indentation) +
-      std::abs(answer.pressed().indentation_m / frictionless.indentation_m - known.indentation);
-  // The peak follows the arm.
-  at(Quantity::peak_pressure) = 0.04 + (answer.rubbed ? 0 : peak) + kArm * arm;
-  return missed;
 }
 
 /// The bounds, known for Coulomb's law, for the answer's: the torque tau_0 A e(0) is off by what
@@ -262,7 +229,9 @@ Assessment assess_numbers(const input::Case& contact_case,
     for (std::size_t q = 0; q < change.size(); ++q) (*result.bound)[q] += change[q];
   }
   if (contact_case.pressing != PressingFriction::none) {
-    const QuantityErrors missed = missed_of_pressing_friction(contact_case, answer);
+    const QuantityErrors missed = missed_of_pressing_friction(
+        *answer.model, answer.problem, contact_case.pressing_friction_coefficient(),
+        answer.prediction, answer.pressed());
     for (std::size_t q = 0; q < missed.size(); ++q) (*result.bound)[q] += missed[q];
   }
   if (answer.shear_law.kind != ShearLaw::Kind::coulomb) {

@@ -11,7 +11,7 @@
 #include "comparisons/judgement/assessment.h"
 #include "comparisons/reference/fem_process.h"
 #include "softfinger/input/constants.h"
-#include "softfinger/pressure/equivalent_exponent.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -34,12 +34,8 @@ bool has_cheap_pressure(const ModelAnswer& answer) {
 }
 
 double pressure_Pa(const ModelAnswer& answer, double x_m, double y_m) {
-  const Prediction& pressed = answer.pressed();
-  if (!answer.rubbed || answer.model->card().hot_path)
-    return answer.model->pressure_Pa(answer.problem, pressed, x_m, y_m);
-  // A solved pressure is that of pressing without friction.
-  const double inside = 1 - std::pow(x_m / pressed.a_m, 2) - std::pow(y_m / pressed.b_m, 2);
-  return pressed.peak_pressure_Pa * std::pow(std::max(0., inside), equivalent_exponent(pressed));
+  return answer.rubbed ? rubbed_pressure_Pa(*answer.model, answer.problem, *answer.rubbed, x_m, y_m)
+                       : answer.model->pressure_Pa(answer.problem, answer.prediction, x_m, y_m);
 }
 
 PressureProfile profile(const ModelAnswer& answer, bool along_x) {

@@ -10,6 +10,7 @@
 #include "softfinger/friction/tilt_limit.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/pressure/gradient.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::prediction {
 namespace {
@@ -120,13 +121,16 @@ nlohmann::json to_json(const ModelAnswer& answer, TorqueRule rule, int limit_sur
                            {"valid", answer.valid()},
                            {"validity", to_json(answer.prediction.validity)},
                            {"cost_ns", answer.cost_ns}};
-  const auto derived = predict_with_gradient(*answer.model, answer.problem);
+  auto derived = predict_with_gradient(*answer.model, answer.problem);
+  if (answer.rubbed)
+    derived = rubbed(
+        *answer.model, derived, answer.problem,
+        pressing_friction_coefficient(answer.pressing, answer.problem.load.friction_coefficient));
   const PredictionGradient& gradient = derived.gradient;
   const auto known = [&](double value) {
     return gradient.known ? text::finite_or_null(value) : nlohmann::json();
   };
-  result["normal_stiffness_N_per_m"] = known(answer.rubbed ? pressed_stiffness_N_per_m(answer)
-                                                           : gradient.normal_stiffness_N_per_m());
+  result["normal_stiffness_N_per_m"] = known(gradient.normal_stiffness_N_per_m());
   result["torsional_stiffness_Nm_per_rad"] = known(gradient.stuck.torsional_Nm_per_rad);
   result["tangential_stiffness_N_per_m"] = {known(gradient.stuck.tangential_x_N_per_m),
                                             known(gradient.stuck.tangential_y_N_per_m)};

@@ -107,48 +107,21 @@ ModelAnswer ask_model(const PressureModel& model, const ContactProblem& problem,
 
 namespace {
 
-/// The coefficient that acts while the contact is pressed.
-double pressed_mu(const ModelAnswer& answer) {
-  return answer.pressing == PressingFriction::stuck ? std::numeric_limits<double>::infinity()
-                                                    : answer.problem.load.friction_coefficient;
-}
-
 /// Sets the contact as it is pressed with friction, or a check that fails where the model leaves
 /// out what counts.
 void press_with_friction(const input::Case& contact_case, ModelAnswer& answer) {
   answer.pressing = contact_case.pressing;
   if (answer.pressing == PressingFriction::none || !answer.prediction.has_answer) return;
-  const Prediction rubbed =
-      softfinger::rubbed(*answer.model, answer.prediction, answer.problem, pressed_mu(answer));
+  const double mu = contact_case.pressing_friction_coefficient();
   const bool is_one_layer = answer.problem.stack.count == 0 && !answer.problem.has_object_layer();
-  if (knows_pressing_friction(*answer.model) && is_one_layer) {
-    answer.rubbed = rubbed;
-    return;
-  }
-  // Half of the default tolerance.
-  constexpr double kCounts = 0.05;
-  const double change = 1 - rubbed.indentation_m / answer.prediction.indentation_m;
-  answer.prediction.validity.add(
-      {"frictionless_pressing", change, kCounts, true,
-       "presses without friction; with it the indentation is smaller by this share, in linear "
-       "elasticity. fingertip_layer, bonded_layer and the finite elements (softfinger fem) press "
-       "with "
-       "friction"});
+  if (knows_pressing_friction(*answer.model) && is_one_layer)
+    answer.rubbed = softfinger::rubbed(*answer.model, answer.prediction, answer.problem, mu);
+  else
+    answer.prediction.validity.add(
+        check_frictionless_pressing(*answer.model, answer.prediction, answer.problem, mu));
 }
 
 }  // namespace
-
-double pressed_stiffness_N_per_m(const ModelAnswer& answer) {
-  constexpr double kStep = 1e-3;
-  const auto indentation_m = [&](double factor) {
-    ContactProblem problem = answer.problem;
-    problem.load.normal_force_N *= factor;
-    return rubbed(*answer.model, answer.model->predict(problem), problem, pressed_mu(answer))
-        .indentation_m;
-  };
-  return 2 * kStep * answer.problem.load.normal_force_N /
-         (indentation_m(1 + kStep) - indentation_m(1 - kStep));
-}
 
 ModelAnswer ask_model(const PressureModel& model, const input::Case& contact_case,
                       const LocalGeometry& geometry, double load_N,

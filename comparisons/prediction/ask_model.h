@@ -104,10 +104,6 @@ struct ModelAnswer {
   FrictionEllipsoid friction_ellipsoid(TorqueRule rule) const;
 };
 
-/// dP/dd of the contact that is pressed on with friction: by a central difference, right to 1e-6.
-/// @pre rubbed
-double pressed_stiffness_N_per_m(const ModelAnswer& answer);
-
 /// "all" (the models that take microseconds), "everything", one name, or several separated by
 /// commas.
 /// @throws InputError naming the nearest model for an unknown name.

@@ -13,6 +13,7 @@
 #include "softfinger/input/constants.h"
 #include "softfinger/math/wide.h"
 #include "softfinger/pressure/pressure_model.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 #include "tests/allocation_counter.h"
 
 namespace softfinger {
@@ -96,6 +97,43 @@ TEST(Batch, HasTheBitsOfSinglePredictions) {
       answered += one.has_answer;
     }
     EXPECT_GT(answered, 1000) << name;
+  }
+}
+
+TEST(Batch, PressesWithFrictionAsSinglePredictionsDo) {
+  Arrays arrays = contacts(2000);
+  ContactBatch batch = arrays.batch();
+  std::vector<double> mu;
+  for (std::size_t i = 0; i < batch.count; ++i)
+    mu.push_back(i % 9 == 0 ? 0 : i % 9 == 1 ? kInfinity : 0.1 * double(i % 9));
+  batch.pressing_friction_coefficient = mu.data();
+  for (const PressureModel* model : all_pressure_models()) {
+    if (!model->card().hot_path) continue;
+    const std::string name(model->card().name);
+    PredictionBatch answers = arrays.answers();
+    std::vector<double> pressure_arm_m(batch.count, -1), a_m(batch.count, -1), b_m(batch.count, -1);
+    answers.pressure_arm_m = pressure_arm_m.data();
+    answers.frictionless_a_m = a_m.data();
+    answers.frictionless_b_m = b_m.data();
+    const std::size_t before = testing::allocations();
+    predict_batch(*model, batch, answers);
+    EXPECT_EQ(testing::allocations(), before) << name;
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      const Prediction one = model->predict(batch.problem(i));
+      const Prediction pressed = one.has_answer && knows_pressing_friction(*model)
+                                     ? rubbed(*model, one, batch.problem(i), mu[i])
+                                     : one;
+      ASSERT_EQ(arrays.out[0][i], pressed.a_m) << name << " " << i;
+      ASSERT_EQ(arrays.out[1][i], pressed.b_m) << name << " " << i;
+      ASSERT_EQ(arrays.out[2][i], pressed.indentation_m) << name << " " << i;
+      ASSERT_EQ(arrays.out[3][i], pressed.peak_pressure_Pa) << name << " " << i;
+      ASSERT_EQ(arrays.out[4][i], one.torque_arm_exact_m) << name << " " << i;
+      ASSERT_EQ(arrays.out[5][i], one.torque_arm_paper_m) << name << " " << i;
+      ASSERT_EQ(pressure_arm_m[i], pressed.torque_arm_exact_m) << name << " " << i;
+      ASSERT_EQ(a_m[i], one.a_m) << name << " " << i;
+      ASSERT_EQ(b_m[i], one.b_m) << name << " " << i;
+      for (const auto& numbers : arrays.out) ASSERT_TRUE(std::isfinite(numbers[i])) << name << i;
+    }
   }
 }
 

@@ -11,6 +11,9 @@
 #include <string>
 
 #include "softfinger/geometry/relative_curvature.h"
+#include "softfinger/input/constants.h"
+#include "softfinger/layer/stuck_stiffness.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 #include "tests/allocation_counter.h"
 
 namespace softfinger {
@@ -133,6 +136,104 @@ TEST(Gradient, IsThatOfDifferences) {
       if (::testing::Test::HasFailure()) return;
     }
     std::printf("%s: worst derivative, relative: %.1e\n", name.c_str(), worst);
+  }
+}
+
+/// Numbers of a contact that is pressed with friction.
+constexpr int kRubbedNumbers = 8;
+using RubbedNumbers = std::array<double, kRubbedNumbers>;
+RubbedNumbers rubbed_numbers_of(const PressureModel& model, const ContactProblem& problem,
+                                double mu) {
+  const Prediction p = rubbed(model, model.predict(problem), problem, mu);
+  const ElasticLayer& layer = problem.layer;
+  const StuckStiffness stuck = stuck_stiffness(p.a_m, p.b_m, layer.thickness_m,
+                                               layer.youngs_modulus_Pa, layer.poisson_ratio);
+  return {p.a_m,
+          p.b_m,
+          p.indentation_m,
+          p.area_m2(),
+          p.peak_pressure_Pa,
+          p.torque_arm_exact_m,
+          stuck.torsional_Nm_per_rad,
+          stuck.tangential_x_N_per_m};
+}
+
+TEST(Gradient, OfPressingWithFrictionIsThatOfDifferences) {
+  for (const char* name : {"bonded_layer", "fingertip_layer"}) {
+    const PressureModel& model = *find_pressure_model(name);
+    Draws draws(23);
+    for (int i = 0; i < 200; ++i) {
+      ContactProblem problem = random_problem(draws);
+      double mu = std::exp(draws.between(-4, 1));
+      const PredictionGradient gradient =
+          rubbed(model, predict_with_gradient(model, problem), problem, mu).gradient;
+      const auto here = rubbed_numbers_of(model, problem, mu);
+      const std::array<const Derivatives*, kRubbedNumbers> derivatives = {
+          &gradient.a_m,
+          &gradient.b_m,
+          &gradient.indentation_m,
+          &gradient.area_m2,
+          &gradient.peak_pressure_Pa,
+          &gradient.torque_arm_exact_m,
+          &gradient.torsional_stiffness_Nm_per_rad,
+          &gradient.tangential_stiffness_x_N_per_m};
+      // 1 - 4 (1 - 2 nu) in the ratios ends with a kink about nu = 3/8, where differences tell
+      // nothing.
+      if (std::abs(problem.layer.poisson_ratio - 0.376) < 0.008) continue;
+      const auto compare = [&](double& variable, double scale, auto derivative_of) {
+        const double value = variable;
+        RubbedNumbers least;
+        least.fill(1e300);
+        for (const double step : {1e-3 * scale, 2e-4 * scale}) {
+          const auto at = [&](int steps) {
+            variable = value + steps * step;
+            const auto found = rubbed_numbers_of(model, problem, mu);
+            variable = value;
+            return found;
+          };
+          const auto p1 = at(1), p2 = at(2), p3 = at(3), m1 = at(-1), m2 = at(-2), m3 = at(-3);
+          for (std::size_t n = 0; n < kRubbedNumbers; ++n) {
+            const double difference =
+                (45 * (p1[n] - m1[n]) - 9 * (p2[n] - m2[n]) + p3[n] - m3[n]) / (60 * step);
+            least[n] = std::min(
+                least[n], std::abs(difference - derivative_of(*derivatives[n])) * scale / here[n]);
+          }
+        }
+        for (std::size_t n = 0; n < kRubbedNumbers; ++n)
+          EXPECT_LT(least[n], kTolerance) << name << n << " " << i;
+      };
+      const auto variables = variables_of(problem);
+      for (int v = 0; v < kContactVariables; ++v) {
+        const double value = *variables[std::size_t(v)];
+        const bool is_curvature = v >= kFingerCurvatureX && v <= kFingerCurvatureXY;
+        const double scale = v == kPoissonRatio ? std::min(value, 0.5 - value)
+                             : is_curvature     ? 100
+                                                : value;
+        compare(*variables[std::size_t(v)], scale,
+                [v](const Derivatives& of) { return of.by[std::size_t(v)]; });
+      }
+      compare(mu, mu, [](const Derivatives& of) { return of.by_friction_coefficient; });
+      if (::testing::Test::HasFailure()) return;
+    }
+  }
+}
+
+TEST(Gradient, OfPressingThatSticksIsFiniteAndWithoutFriction) {
+  Draws draws(29);
+  const PressureModel& model = *find_pressure_model("fingertip_layer");
+  for (const double nu : {0., 0.3, 0.49, 0.5}) {
+    ContactProblem problem = random_problem(draws);
+    problem.layer.poisson_ratio = nu;
+    const PredictionWithGradient found =
+        rubbed(model, predict_with_gradient(model, problem), problem, kInfinity);
+    const PredictionGradient nearly =
+        rubbed(model, predict_with_gradient(model, problem), problem, 1e6).gradient;
+    EXPECT_EQ(found.gradient.indentation_m.by_friction_coefficient, 0);
+    for (std::size_t v = 0; v < kContactVariables; ++v) {
+      EXPECT_TRUE(std::isfinite(found.gradient.indentation_m.by[v])) << nu << " " << v;
+      EXPECT_EQ(found.gradient.peak_pressure_Pa.by[v], nearly.peak_pressure_Pa.by[v]);
+    }
+    EXPECT_GT(found.gradient.normal_stiffness_N_per_m(), 0);
   }
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "softfinger/friction/max_torque.h"
+#include "softfinger/pressure/arm_exponent.h"
 #include "tests/analytic/rubbed_reference.h"
 
 namespace softfinger {
@@ -92,6 +94,14 @@ TEST(RubbedPrediction, IsTheFrictionlessOneWithoutFriction) {
   EXPECT_EQ(pressed.indentation_m, frictionless.indentation_m);
   EXPECT_EQ(pressed.torque_arm_exact_m, frictionless.torque_arm_exact_m);
   EXPECT_EQ(pressed.peak_pressure_Pa, frictionless.peak_pressure_Pa);
+}
+
+TEST(ArmExponent, IsThatOfTheArm) {
+  for (const double exponent : {-0.99, -0.5, 0., 0.3, 0.5, 1., 2., 7., 40., 1000.})
+    // The stated 2e-8 of its formula, and at large exponents the rounding of the arm.
+    EXPECT_NEAR(exponent_plus_one(torque_arm_exact_m(1, 1, exponent)), exponent + 1,
+                2e-8 + 1e-14 * exponent * exponent)
+        << exponent;
 }
 
 TEST(RubbedRatios, StayBetweenNoneAndOneForAnyContact) {

@@ -70,7 +70,7 @@ void predict_differentiated(benchmark::State& state, const PressureModel& model)
 }
 
 /// Items per second are contacts.
-void predict_many(benchmark::State& state, const PressureModel& model) {
+void predict_many(benchmark::State& state, const PressureModel& model, bool is_rubbed) {
   constexpr std::size_t kCount = 4096;
   const ContactProblem problem = fingertip(4);
   const auto all = [](double value) { return std::vector<double>(kCount, value); };
@@ -94,6 +94,8 @@ void predict_many(benchmark::State& state, const PressureModel& model) {
   batch.finger_yy_per_m = yy.data();
   batch.finger_xy_per_m = xy.data();
   batch.options = problem.options;
+  const std::vector<double> mu(kCount, 0.8);
+  if (is_rubbed) batch.pressing_friction_coefficient = mu.data();
   std::array<std::vector<double>, 6> out;
   for (std::vector<double>& one : out) one.resize(kCount);
   const PredictionBatch found = {out[0].data(), out[1].data(), out[2].data(),
@@ -244,8 +246,12 @@ int main(int argc, char** argv) {
     benchmark::RegisterBenchmark(
         ("predict_with_gradient/" + name).c_str(),
         [model](benchmark::State& state) { predict_differentiated(state, *model); });
-    benchmark::RegisterBenchmark(("predict_batch/" + name).c_str(),
-                                 [model](benchmark::State& state) { predict_many(state, *model); });
+    benchmark::RegisterBenchmark(
+        ("predict_batch/" + name).c_str(),
+        [model](benchmark::State& state) { predict_many(state, *model, /*is_rubbed=*/false); });
+    benchmark::RegisterBenchmark(
+        ("predict_batch/rubbed/" + name).c_str(),
+        [model](benchmark::State& state) { predict_many(state, *model, /*is_rubbed=*/true); });
   }
   benchmark::RegisterBenchmark("fit_quadric/points:200", fit);
   benchmark::Initialize(&argc, argv);

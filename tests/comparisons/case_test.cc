@@ -76,9 +76,9 @@ TEST(Case, SaysHowItIsPressed) {
             PressingFriction::none);
   const input::Case coulomb = with("friction_coefficient = 0.8\npressing = \"coulomb\"");
   EXPECT_EQ(coulomb.pressing, PressingFriction::coulomb);
-  EXPECT_EQ(coulomb.pressed_friction_coefficient(), 0.8);
+  EXPECT_EQ(coulomb.pressing_friction_coefficient(), 0.8);
   const input::Case stuck = with("friction_coefficient = 0.8\npressing = \"stuck\"");
-  EXPECT_TRUE(std::isinf(stuck.pressed_friction_coefficient()));
+  EXPECT_TRUE(std::isinf(stuck.pressing_friction_coefficient()));
   EXPECT_THROW(with("friction_coefficient = 0.8\npressing = \"sticky\""), InputError);
   EXPECT_THROW(with("shear_law = \"shear_strength\"\nshear_strength_kPa = 9\n"
                     "pressing = \"stuck\""),

@@ -127,8 +127,7 @@ void press_with_friction(const PressureModel& model, const ContactProblem& probl
   // The logarithms of size and strain over the thickness, nu, and the logarithm of mu.
   using Point = std::array<double, 4>;
   const double log_thickness = std::log(problem.layer.thickness_m);
-  const double mu = pressing == PressingFriction::stuck ? std::numeric_limits<double>::infinity()
-                                                        : problem.load.friction_coefficient;
+  const double mu = pressing_friction_coefficient(pressing, problem.load.friction_coefficient);
   const Point here = {(contact.a.value + contact.b.value) / 2 - log_thickness,
                       contact.indentation.value - log_thickness, problem.layer.poisson_ratio,
                       std::log(mu)};

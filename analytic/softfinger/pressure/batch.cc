@@ -1,5 +1,7 @@
 #include "softfinger/pressure/batch.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 
 #include "softfinger/layer/fingertip_layer_core.h"
@@ -7,6 +9,8 @@
 #include "softfinger/math/wide.h"
 #include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/pressure_model.h"
+#include "softfinger/pressure/rubbed_core.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger {
 
@@ -144,9 +148,97 @@ void PressureModel::predict_batch(const ContactBatch& contacts,
     put(predict(contacts.problem(index)), predictions, index);
 }
 
+namespace {
+
+/// The contacts `first` to `first + count` of a batch.
+ContactBatch part_of(const ContactBatch& contacts, std::size_t first, std::size_t count) noexcept {
+  ContactBatch part = contacts;
+  part.count = count;
+  for (const double* ContactBatch::*array :
+       {&ContactBatch::normal_force_N, &ContactBatch::youngs_modulus_Pa,
+        &ContactBatch::poisson_ratio, &ContactBatch::thickness_m, &ContactBatch::radius_major_m,
+        &ContactBatch::radius_minor_m, &ContactBatch::finger_xx_per_m,
+        &ContactBatch::finger_yy_per_m, &ContactBatch::finger_xy_per_m,
+        &ContactBatch::pressing_friction_coefficient})
+    if (part.*array) part.*array += first;
+  return part;
+}
+
+/// Numbers of some contacts, in memory.
+struct SomeContacts {
+  static constexpr std::size_t kMost = 64;
+  std::array<double, kMost> a_m{}, b_m{}, indentation_m{}, peak_pressure_Pa{}, exact_m{}, paper_m{};
+
+  PredictionBatch batch() noexcept {
+    return {a_m.data(),     b_m.data(),    indentation_m.data(), peak_pressure_Pa.data(),
+            exact_m.data(), paper_m.data()};
+  }
+  ContactNumbersOf<Pack> pack(std::size_t first) const noexcept {
+    const auto taken = [first](const auto& array) { return Pack::from(array.data() + first); };
+    return {taken(a_m),     taken(b_m),    taken(indentation_m), taken(peak_pressure_Pa),
+            taken(exact_m), taken(paper_m)};
+  }
+};
+
+/// Contacts that are pressed with friction, some of them after each other, because the frictionless
+/// answers have to be kept for a moment.
+inline void fill_rubbed(const PressureModel& model, const ContactBatch& contacts,
+                        const PredictionBatch& predictions) noexcept {
+  const bool has_finite_strain = model.card().finite_strain;
+  SomeContacts some;
+  for (std::size_t first = 0; first < contacts.count; first += SomeContacts::kMost) {
+    const ContactBatch part =
+        part_of(contacts, first, std::min(SomeContacts::kMost, contacts.count - first));
+    model.predict_batch(part, some.batch());
+    for (std::size_t start = 0; start < part.count; start += Pack::kSize) {
+      const ContactNumbersOf<Pack> frictionless = some.pack(start);
+      const Pack mu = taken(part.pressing_friction_coefficient, start, part.count);
+      const ContactNumbersOf<Pack> rubbed =
+          with_friction<Pack>(frictionless, taken(part.poisson_ratio, start, part.count),
+                              taken(part.thickness_m, start, part.count), mu, has_finite_strain);
+      for (int i = 0; i < Pack::kSize && start + std::size_t(i) < part.count; ++i) {
+        const std::size_t index = first + start + std::size_t(i);
+        const bool is_rubbed = frictionless.a_m[i] > 0 && mu[i] > 0;
+        const ContactNumbersOf<Pack>& pressed = is_rubbed ? rubbed : frictionless;
+        put(pressed.a_m[i], predictions.a_m, index);
+        put(pressed.b_m[i], predictions.b_m, index);
+        put(pressed.indentation_m[i], predictions.indentation_m, index);
+        put(pressed.peak_pressure_Pa[i], predictions.peak_pressure_Pa, index);
+        put(pressed.torque_arm_exact_m[i], predictions.pressure_arm_m, index);
+        put(frictionless.torque_arm_exact_m[i], predictions.torque_arm_exact_m, index);
+        put(frictionless.torque_arm_paper_m[i], predictions.torque_arm_paper_m, index);
+        put(frictionless.a_m[i], predictions.frictionless_a_m, index);
+        put(frictionless.b_m[i], predictions.frictionless_b_m, index);
+      }
+    }
+  }
+}
+
+}  // namespace
+
 void predict_batch(const PressureModel& model, const ContactBatch& contacts,
                    const PredictionBatch& predictions) noexcept {
-  model.predict_batch(contacts, predictions);
+  if (contacts.pressing_friction_coefficient && knows_pressing_friction(model)) {
+    with_best_instructions([&] { fill_rubbed(model, contacts, predictions); });
+    return;
+  }
+  // Without friction two numbers of a contact are one.
+  PredictionBatch frictionless = predictions;
+  const auto copy_later = [](double*& number, double* twin) {
+    const bool has_both = number && twin;
+    if (!number) number = twin;
+    return has_both;
+  };
+  const bool copies_arm = copy_later(frictionless.torque_arm_exact_m, predictions.pressure_arm_m);
+  const bool copies_a = copy_later(frictionless.a_m, predictions.frictionless_a_m);
+  const bool copies_b = copy_later(frictionless.b_m, predictions.frictionless_b_m);
+  model.predict_batch(contacts, frictionless);
+  const auto copy = [&](bool copies, const double* number, double* twin) {
+    if (copies) std::copy_n(number, contacts.count, twin);
+  };
+  copy(copies_arm, predictions.torque_arm_exact_m, predictions.pressure_arm_m);
+  copy(copies_a, predictions.a_m, predictions.frictionless_a_m);
+  copy(copies_b, predictions.b_m, predictions.frictionless_b_m);
 }
 
 void predict_bonded_layer_batch(const PressureModel& model, const ContactBatch& contacts,

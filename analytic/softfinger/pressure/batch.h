@@ -21,6 +21,9 @@ struct ContactBatch {
   const double* finger_xx_per_m = nullptr;
   const double* finger_yy_per_m = nullptr;
   const double* finger_xy_per_m = nullptr;
+  /// The coefficient of friction that acts while the contact is pressed (rubbed_prediction.h),
+  /// infinite where all sticks; null: pressed without. Models that do not know it leave it out.
+  const double* pressing_friction_coefficient = nullptr;
   bool are_objects_spherical = false;
   ModelOptions options{};
 
@@ -45,15 +48,20 @@ struct PredictionBatch {
   double* b_m = nullptr;
   double* indentation_m = nullptr;
   double* peak_pressure_Pa = nullptr;
+  /// Arms of the largest torque, which friction while pressing leaves as they are.
   double* torque_arm_exact_m = nullptr;
   double* torque_arm_paper_m = nullptr;
+  double* pressure_arm_m = nullptr;    ///< (int p r dA)/P as pressed
+  double* frictionless_a_m = nullptr;  ///< of the contact that is pressed without friction
+  double* frictionless_b_m = nullptr;
 };
 
 class PressureModel;
 
-/// The answers of `PressureModel::predict`, bit for bit. bonded_layer and fingertip_layer compute
-/// four contacts at a time, with what vector instructions the processor has: with AVX2 0.12 and
-/// 0.15 microseconds each. Never throws, never allocates; parts of a batch may run on several
+/// The answers of `PressureModel::predict`, and of `rubbed` where friction acts while pressing, bit
+/// for bit. bonded_layer and fingertip_layer compute four contacts at a time, with what vector
+/// instructions the processor has: with AVX2 0.12 and 0.15 microseconds each, and 0.2 more with
+/// friction. Never throws, never allocates; parts of a batch may run on several
 /// threads.
 void predict_batch(const PressureModel& model, const ContactBatch& contacts,
                    const PredictionBatch& predictions) noexcept;

@@ -3,42 +3,57 @@
 #include <algorithm>
 #include <cmath>
 
+#include "softfinger/input/constants.h"
 #include "softfinger/pressure/equivalent_exponent.h"
+#include "softfinger/pressure/rubbed_core.h"
 
 namespace softfinger {
 namespace {
 
-/// Constants of one ratio, named as in the header.
-struct RatioConstants {
-  double c0, n1, s0, n3, p, c2, n2, c, q, k, b, n, j, g1, g2, g3;
-  double per_strain;
-};
-constexpr RatioConstants kOfIndentation{0.03475, 1.182,  1.552, 1.112, 2.367, 0.4164,
-                                        0.6843,  0.2799, 11.03, 2.647, 3.522, 0.9423,
-                                        4.019,   0.5109, 5.278, 2.119, 1.45};
-constexpr RatioConstants kOfSize{0.06093, 1.224, 2.075, 1.049, 1.731,  0.4782, 0.7129, 0.1343, 19.9,
-                                 3.063,   4.023, 0.425, 3.864, 0.3717, 5.359,  0.9596, 2.2};
-constexpr RatioConstants kOfArm{0.09249, 1.281,  1.511, 0.8185, 2.184, 0.3304,
-                                0.7471,  0.1759, 23.26, 3.291,  3.457, 0.3372,
-                                4.269,   0.2465, 5.504, 0,      2.2};
+/// The variables of a gradient, and the friction coefficient.
+constexpr int kSlopes = kContactVariables + 1;
+using Slopes = Dual<kSlopes>;
 
-double ratio(const RatioConstants& of, double nu, double size, double mu, double strain) noexcept {
-  // Powers of larger and smaller sizes do not fit into a double; the ratios no longer change there.
-  constexpr double kSmallest = 1e-30, kLargest = 1e30;
-  const double s = std::clamp(size, kSmallest, kLargest);
-  const double thinner = std::clamp(size * (1 + of.per_strain * strain), kSmallest, kLargest);
-  // Half of the root of pi: the error function then begins with the slope 1.
-  constexpr double kUnitSlope = 0.886;
-  const double t = 1 - 2 * nu;
-  const double inward = of.c0 * std::pow(t, of.n1) /
-                        (1 + std::pow(s / (of.s0 * std::pow(std::max(t, kSmallest), of.n3)), of.p));
-  const double of_inward = of.c2 * std::pow(std::max(t, kSmallest), of.n2);
-  const double flow = of.c / (of.q * std::pow(thinner, -of.k) + 1) /
-                      (1 + of.b * t / (1 - nu) * std::pow(thinner, of.n)) *
-                      std::max(0., 1 - of.j * t);
-  const double of_flow = of.g1 * std::exp(-of.g2 * t) * thinner / (thinner + of.g3);
-  return std::exp(-inward * std::erf(kUnitSlope * mu / of_inward) -
-                  flow * std::erf(kUnitSlope * mu / of_flow));
+/// A number of a prediction with its derivatives.
+Slopes with_slopes(double value, const Derivatives& derivatives) noexcept {
+  Slopes result(value);
+  std::copy(derivatives.by.begin(), derivatives.by.end(), result.slope.begin());
+  result.slope[kContactVariables] = derivatives.by_friction_coefficient;
+  return result;
+}
+
+Derivatives slopes_of(const Slopes& number) noexcept {
+  Derivatives result;
+  std::copy_n(number.slope.begin(), kContactVariables, result.by.begin());
+  result.by_friction_coefficient = number.slope[kContactVariables];
+  return result;
+}
+
+/// The stiffness of the stuck contact on the ellipse as pressed.
+void set_stuck_stiffness(const Slopes& a_m, const Slopes& b_m, const ElasticLayer& layer,
+                         PredictionGradient& gradient) noexcept {
+  // First by the five numbers that it depends on.
+  using Number = Dual<5>;
+  const StuckStiffnessOf<Number> stuck = stuck_stiffness<Number>(
+      Number::variable(a_m.value, 0), Number::variable(b_m.value, 1),
+      Number::variable(layer.thickness_m, 2), Number::variable(layer.youngs_modulus_Pa, 3),
+      Number::variable(layer.poisson_ratio, 4));
+  const auto set = [&](const Number& number, double& value, Derivatives& derivatives) {
+    Slopes chained = number.value;
+    for (std::size_t i = 0; i < kSlopes; ++i)
+      chained.slope[i] = number.slope[0] * a_m.slope[i] + number.slope[1] * b_m.slope[i];
+    chained.slope[kThickness] += number.slope[2];
+    chained.slope[kYoungsModulus] += number.slope[3];
+    chained.slope[kPoissonRatio] += number.slope[4];
+    value = number.value;
+    derivatives = slopes_of(chained);
+  };
+  set(stuck.torsional_Nm_per_rad, gradient.stuck.torsional_Nm_per_rad,
+      gradient.torsional_stiffness_Nm_per_rad);
+  set(stuck.tangential_x_N_per_m, gradient.stuck.tangential_x_N_per_m,
+      gradient.tangential_stiffness_x_N_per_m);
+  set(stuck.tangential_y_N_per_m, gradient.stuck.tangential_y_N_per_m,
+      gradient.tangential_stiffness_y_N_per_m);
 }
 
 }  // namespace
@@ -46,35 +61,87 @@ double ratio(const RatioConstants& of, double nu, double size, double mu, double
 RubbedRatios rubbed_ratios(double poisson_ratio, double size_over_thickness,
                            double friction_coefficient, double strain) noexcept {
   if (!(size_over_thickness > 0) || !(friction_coefficient > 0)) return {};
-  const auto of = [&](const RatioConstants& constants) {
-    return ratio(constants, poisson_ratio, size_over_thickness, friction_coefficient, strain);
-  };
-  return {of(kOfSize), of(kOfIndentation), of(kOfArm)};
+  const RatiosOf<double> found =
+      ratios_of(poisson_ratio, size_over_thickness, friction_coefficient, strain);
+  return {found.size, found.indentation, found.torque_arm};
+}
+
+ContactNumbers rubbed_numbers(const ContactNumbers& frictionless, double poisson_ratio,
+                              double thickness_m, double friction_coefficient,
+                              bool has_finite_strain) noexcept {
+  if (!(friction_coefficient > 0)) return frictionless;
+  return with_friction<double>(frictionless, poisson_ratio, thickness_m, friction_coefficient,
+                               has_finite_strain);
 }
 
 Prediction rubbed(const PressureModel& model, const Prediction& frictionless,
                   const ContactProblem& problem, double friction_coefficient) noexcept {
-  const double s =
-      std::sqrt(frictionless.a_m) * std::sqrt(frictionless.b_m) / problem.layer.thickness_m;
-  const double strain =
-      model.card().finite_strain ? frictionless.indentation_m / problem.layer.thickness_m : 0;
-  const RubbedRatios ratios =
-      rubbed_ratios(problem.layer.poisson_ratio, s, friction_coefficient, strain);
+  const ContactNumbers found =
+      rubbed_numbers(contact_numbers(frictionless), problem.layer.poisson_ratio,
+                     problem.layer.thickness_m, friction_coefficient, model.card().finite_strain);
   Prediction result = frictionless;
-  result.a_m *= ratios.size;
-  result.b_m *= ratios.size;
-  result.indentation_m *= ratios.indentation;
-  result.torque_arm_exact_m *= ratios.torque_arm;
-  result.torque_arm_paper_m *= ratios.torque_arm;
-  const double flatter =
-      (equivalent_exponent(result) + 1) / (equivalent_exponent(frictionless) + 1);
-  result.peak_pressure_Pa *= flatter / (ratios.size * ratios.size);
+  result.a_m = found.a_m;
+  result.b_m = found.b_m;
+  result.indentation_m = found.indentation_m;
+  result.peak_pressure_Pa = found.peak_pressure_Pa;
+  result.torque_arm_exact_m = found.torque_arm_exact_m;
+  result.torque_arm_paper_m = found.torque_arm_paper_m;
   return result;
+}
+
+PredictionWithGradient rubbed(const PressureModel& model,
+                              const PredictionWithGradient& frictionless,
+                              const ContactProblem& problem, double friction_coefficient) noexcept {
+  PredictionWithGradient result = frictionless;
+  if (!frictionless.gradient.known || !(friction_coefficient > 0)) return result;
+  const Prediction& at = frictionless.prediction;
+  const PredictionGradient& by = frictionless.gradient;
+  const ContactNumbersOf<Slopes> found = with_friction<Slopes>(
+      {with_slopes(at.a_m, by.a_m), with_slopes(at.b_m, by.b_m),
+       with_slopes(at.indentation_m, by.indentation_m),
+       with_slopes(at.peak_pressure_Pa, by.peak_pressure_Pa),
+       with_slopes(at.torque_arm_exact_m, by.torque_arm_exact_m),
+       with_slopes(at.torque_arm_paper_m, by.torque_arm_paper_m)},
+      Slopes::variable(problem.layer.poisson_ratio, kPoissonRatio),
+      Slopes::variable(problem.layer.thickness_m, kThickness),
+      Slopes::variable(friction_coefficient, kContactVariables), model.card().finite_strain);
+  result.prediction = rubbed(model, at, problem, friction_coefficient);
+  result.gradient.a_m = slopes_of(found.a_m);
+  result.gradient.b_m = slopes_of(found.b_m);
+  result.gradient.indentation_m = slopes_of(found.indentation_m);
+  result.gradient.area_m2 = slopes_of(kPi * found.a_m * found.b_m);
+  result.gradient.peak_pressure_Pa = slopes_of(found.peak_pressure_Pa);
+  result.gradient.torque_arm_exact_m = slopes_of(found.torque_arm_exact_m);
+  result.gradient.torque_arm_paper_m = slopes_of(found.torque_arm_paper_m);
+  set_stuck_stiffness(found.a_m, found.b_m, problem.layer, result.gradient);
+  return result;
+}
+
+double rubbed_pressure_Pa(const PressureModel& model, const ContactProblem& problem,
+                          const Prediction& pressed, double x_m, double y_m) noexcept {
+  if (model.card().hot_path) return model.pressure_Pa(problem, pressed, x_m, y_m);
+  const double x = x_m / pressed.a_m, y = y_m / pressed.b_m, inside = 1 - x * x - y * y;
+  return inside > 0 ? pressed.peak_pressure_Pa * std::pow(inside, equivalent_exponent(pressed)) : 0;
 }
 
 bool knows_pressing_friction(const PressureModel& model) noexcept {
   const ModelCard& card = model.card();
   return card.layer_constants == LayerConstants::all && !card.is_empirical;
+}
+
+ValidityCheck check_frictionless_pressing(const PressureModel& model,
+                                          const Prediction& frictionless,
+                                          const ContactProblem& problem,
+                                          double friction_coefficient) noexcept {
+  // Half of the default tolerance.
+  constexpr double kCounts = 0.05;
+  const double indentation_m =
+      rubbed(model, frictionless, problem, friction_coefficient).indentation_m;
+  return {
+      "frictionless_pressing", 1 - indentation_m / frictionless.indentation_m, kCounts, true,
+      "presses without friction; with it the indentation is smaller by this share, in linear "
+      "elasticity. fingertip_layer, bonded_layer and the finite elements (softfinger fem) press "
+      "with friction"};
 }
 
 }  // namespace softfinger
