@@ -94,7 +94,6 @@ class Select(unittest.TestCase):
                 'id = "pad"\nquestion = "?"\n[geometry]\nrelative_radii_mm = [20, 5]\n'
                 "[layer]\nthickness_mm = 2\nyoungs_modulus_kPa = 300\npoisson_ratio = 0.45\n"
                 "[contact]\nload_N = [2.0]\nfriction_coefficient = 0.8\n"
-                'pressing = "frictionless"\n'
             )
             file.flush()
             told = _program.run_program(["select", file.name, "--tolerance", "0.05", "--json"])

@@ -46,8 +46,7 @@ def told(*arguments):
     """What `softfinger calibrate --json` says of them."""
     command = [os.environ["SOFTFINGER_PROGRAM"], "calibrate", "inked_fingertip.csv"]
     run = subprocess.run(
-        [*command, "silicone_pad_2mm", "--set", 'contact.pressing="frictionless"', *arguments]
-        + ["--json"],
+        [*command, "silicone_pad_2mm", *arguments, "--json"],
         capture_output=True,
         check=True,
     )

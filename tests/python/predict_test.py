@@ -40,8 +40,7 @@ def told_by_the_program(geometry, layer=LAYER, loads_N=(0.05, 0.7, 5.0)):
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
         file.write(CASE.format(geometry=geometry, layer=keys, loads_N=list(map(float, loads_N))))
         file.flush()
-        frictionless = ["--set", 'contact.pressing="frictionless"']
-        told = _program.run_program(["predict", file.name, *frictionless, "--json"])
+        told = _program.run_program(["predict", file.name, "--json"])
     for result in told["results"]:
         shape = next(g for g in told["geometry"] if g["load_N"] == result["load_N"])
         arguments = {
@@ -202,6 +201,76 @@ class SameBits(unittest.TestCase):
             self.assertEqual(bound.usable(0.1), result["usable"], result["model"])
 
 
+class Pressing(unittest.TestCase):
+    def test_friction_makes_the_contact_smaller_and_leaves_the_torque(self):
+        loose = softfinger.predict(**PAD, pressing="frictionless")
+        rubbed, stuck = softfinger.predict(**PAD), softfinger.predict(**PAD, pressing="stuck")
+        self.assertEqual([x.pressing for x in (loose, rubbed, stuck)], list(_contacts.PRESSINGS))
+        for name in ("a_m", "b_m", "indentation_m", "pressure_arm_m"):
+            self.assertGreater(getattr(loose, name), getattr(rubbed, name), name)
+            self.assertGreaterEqual(getattr(rubbed, name), getattr(stuck, name), name)
+        self.assertGreater(rubbed.peak_pressure_Pa, loose.peak_pressure_Pa)
+        for pressed in (rubbed, stuck):
+            self.assertEqual(pressed.max_torque_Nm, loose.max_torque_Nm)
+            self.assertEqual(
+                (pressed.frictionless_a_m, pressed.frictionless_b_m), (loose.a_m, loose.b_m)
+            )
+            # Discs are summed to 1e-9.
+            numpy.testing.assert_allclose(
+                pressed.limit_surface().sample(20), loose.limit_surface().sample(20), rtol=1e-12
+            )
+
+    def test_models_that_do_not_know_it_say_so(self):
+        arrays = {**PAD, "normal_force_N": [0.5, 2.0]}
+        knowing = [
+            name for name, card in softfinger.models().items() if card.knows_pressing_friction
+        ]
+        self.assertEqual(softfinger.predict(**PAD, model="hertz").pressing, "frictionless")
+        self.assertNotIn("hertz", knowing)
+        self.assertIn(
+            "frictionless_pressing", [c.name for c in softfinger.checks(**PAD, model="hertz")]
+        )
+        self.assertNotIn("frictionless_pressing", [c.name for c in softfinger.checks(**PAD)])
+        found = softfinger.predict(**arrays).pressing
+        self.assertEqual(found.tolist(), ["coulomb"] * 2)
+        two_layers = dict(object_thickness_m=[0.0, 1e-3], object_youngs_modulus_Pa=1e6)
+        found = softfinger.predict(**PAD, **two_layers)
+        self.assertEqual(found.pressing.tolist(), ["coulomb", "frictionless"])
+
+    def test_the_recommended_models_know_it(self):
+        contacts = random_contacts(2000)
+        for name in set(softfinger.predict(**contacts).model):
+            self.assertTrue(softfinger.models()[name].knows_pressing_friction, name)
+
+    def test_pressure_has_the_load_and_the_arm_of_the_pressed_contact(self):
+        contact = softfinger.predict(**PAD)
+        # Rings of the ellipse, finer towards the edge, where the pressure falls steeply.
+        nodes, weights = numpy.polynomial.legendre.leggauss(60)
+        turn = 0.5 * numpy.pi * (nodes + 1)
+        radius, ring = numpy.sin(0.5 * turn), 0.25 * numpy.pi * weights * numpy.cos(0.5 * turn)
+        angle = 2 * numpy.pi * numpy.arange(64) / 64
+        x = contact.a_m * numpy.outer(radius, numpy.cos(angle))
+        y = contact.b_m * numpy.outer(radius, numpy.sin(angle))
+        area = numpy.outer(
+            ring * radius, numpy.full(64, contact.area_m2 / numpy.pi * 2 * numpy.pi / 64)
+        )
+        pressure = softfinger.pressure_Pa(**PAD, x_m=x, y_m=y)
+        load_N = numpy.sum(pressure * area)
+        arm_m = numpy.sum(pressure * numpy.hypot(x, y) * area) / load_N
+        # The exponent by its formula, 2e-8.
+        self.assertAlmostEqual(load_N / PAD["normal_force_N"], 1, delta=1e-6)
+        self.assertAlmostEqual(arm_m / contact.pressure_arm_m, 1, delta=1e-6)
+
+    def test_what_is_not_known_is_refused(self):
+        with self.assertRaisesRegex(softfinger.InputError, "pressing = 'glued': allowed: .*stuck"):
+            softfinger.predict(**PAD, pressing="glued")
+        smooth = {name: x for name, x in PAD.items() if name != "friction_coefficient"}
+        with self.assertRaisesRegex(softfinger.InputError, "'frictionless' with another shear law"):
+            softfinger.predict(
+                **smooth, shear_law="shear_strength", shear_strength_Pa=3e4, pressing="stuck"
+            )
+
+
 class Errors(unittest.TestCase):
     def refused(self, **arguments):
         with self.assertRaises(softfinger.InputError) as caught:
@@ -219,6 +288,8 @@ class Errors(unittest.TestCase):
     def test_every_number_has_a_range(self):
         for number in _contacts.NUMBERS:
             for broken in ("wrong", numpy.nan, -numpy.inf, None, 1j, [True]):
+                if broken is None and number.default is None:
+                    continue
                 error = self.refused(**{number.name: broken})
                 self.assertEqual(error.argument, number.name)
                 self.assertTrue(error.allowed)
@@ -357,7 +428,7 @@ class Results(unittest.TestCase):
     def test_their_text_is_a_few_lines(self):
         for arguments in (PAD, random_contacts(5), random_contacts(500)):
             for function, lines in (
-                (softfinger.predict, 9),
+                (softfinger.predict, 10),
                 (softfinger.error_bound, 8),
                 (softfinger.select, 2),
                 (softfinger.predict_with_gradient, 10),
@@ -373,7 +444,7 @@ class Results(unittest.TestCase):
         self.assertEqual(contact.has_answer.tolist(), [True, False])
         for field in dataclasses.fields(contact):
             values = getattr(contact, field.name)
-            as_asked = field.name in (*stiff, "shear_strength_Pa")
+            as_asked = field.name in (*stiff, "pressing", "shear_strength_Pa")
             if as_asked or not isinstance(values, numpy.ndarray) or values.dtype == bool:
                 continue
             self.assertEqual(values.mask.tolist(), [False, True], field.name)

@@ -1,5 +1,5 @@
 #include "analytic/python/bindings/contacts.h"
-#include "softfinger/accuracy/error_bound.h"
+#include "softfinger/accuracy/pressing_error.h"
 
 namespace softfinger::python {
 namespace {
@@ -21,7 +21,8 @@ py::tuple bounds(const std::optional<std::string>& name, const py::dict& numbers
     const py::gil_scoped_release others_may_run;
     for (std::size_t i = 0; i < count; ++i) {
       const ContactProblem problem = contacts.problem(i);
-      const ErrorBound found = error_bound(model.of(problem), problem);
+      const ErrorBound found =
+          error_bound(model.of(problem), problem, contacts.pressing_friction_coefficient(i));
       is_known[i] = found.known;
       reasons[i] = found.outside;
       for (std::size_t q = 0; q < kBoundedQuantities; ++q) {

@@ -3,6 +3,7 @@
 
 #include "analytic/python/bindings/traced.h"
 #include "softfinger/accuracy/error_bound_core.h"
+#include "softfinger/accuracy/pressing_error_core.h"
 #include "softfinger/layer/stuck_stiffness.h"
 #include "softfinger/pads/pad_law.h"
 
@@ -47,13 +48,61 @@ std::vector<Traced> listed(const ContactNumbersOf<Traced>& numbers) {
           numbers.torque_arm_paper_m};
 }
 
-py::tuple bonded_layer() {
-  return traced([] { return listed(bonded_layer_numbers(contact_inputs())); });
+/// The input after those of a contact: the coefficient that acts while pressing.
+Traced pressing_friction() { return Traced::input(9); }
+
+ContactNumbersOf<Traced> rubbed_numbers(const ContactNumbersOf<Traced>& frictionless,
+                                        bool has_finite_strain) {
+  const Input input = contact_inputs();
+  return with_friction(frictionless, input.poisson_ratio, input.thickness_m, pressing_friction(),
+                       has_finite_strain);
 }
 
-py::tuple fingertip_layer(bool is_object_spherical) {
+/// The numbers as pressed, with the arms of frictionless pressing in place of theirs, then the arm
+/// as pressed.
+std::vector<Traced> pressed(const ContactNumbersOf<Traced>& frictionless, bool is_rubbed,
+                            bool has_finite_strain) {
+  if (!is_rubbed) return listed(frictionless);
+  ContactNumbersOf<Traced> numbers = rubbed_numbers(frictionless, has_finite_strain);
+  const Traced arm = numbers.torque_arm_exact_m;
+  numbers.torque_arm_exact_m = frictionless.torque_arm_exact_m;
+  numbers.torque_arm_paper_m = frictionless.torque_arm_paper_m;
+  std::vector<Traced> result = listed(numbers);
+  result.push_back(arm);
+  return result;
+}
+
+/// @param is_rubbed  pressed with friction
+py::tuple bonded_layer(bool is_rubbed) {
   return traced([&] {
-    return listed(fingertip_layer_numbers(contact_inputs(), is_object_spherical ? 1. : 0.));
+    return pressed(bonded_layer_numbers(contact_inputs()), is_rubbed,
+                   /*has_finite_strain=*/false);
+  });
+}
+
+py::tuple fingertip_layer(bool is_object_spherical, bool is_rubbed) {
+  return traced([&] {
+    return pressed(fingertip_layer_numbers(contact_inputs(), is_object_spherical ? 1. : 0.),
+                   is_rubbed, /*has_finite_strain=*/true);
+  });
+}
+
+/// Returns what a model misses of friction while pressing, by its answer without.
+/// @param has_finite_strain  the model is fingertip_layer, else bonded_layer
+py::tuple pressing_errors(bool is_object_spherical, bool has_finite_strain) {
+  return traced([&] {
+    const Input input = contact_inputs();
+    const ContactNumbersOf<Traced> frictionless =
+        has_finite_strain ? fingertip_layer_numbers(input, is_object_spherical ? 1. : 0.)
+                          : bonded_layer_numbers(input);
+    const Traced size_m = sqrt(frictionless.a_m) * sqrt(frictionless.b_m);
+    const ContactNumbersOf<Traced> rubbed = rubbed_numbers(frictionless, has_finite_strain);
+    const auto missed = missed_of_pressing_friction(
+        ratios_of<Traced>(input.poisson_ratio, size_m / input.thickness_m, pressing_friction(),
+                          frictionless.indentation_m / input.thickness_m),
+        frictionless, rubbed, rubbed);
+    // The largest torque misses nothing.
+    return std::vector<Traced>(missed.begin(), missed.end() - 1);
   });
 }
 
@@ -136,6 +185,7 @@ void bind_arrays(py::module_& module) {
   arrays.def("bonded_layer", &bonded_layer);
   arrays.def("fingertip_layer", &fingertip_layer);
   arrays.def("error_bands", &error_bands);
+  arrays.def("pressing_errors", &pressing_errors);
   arrays.def("stuck_stiffness", &stuck);
   arrays.def("pad_layer", &pad_layer);
   arrays.def("tables", &tables);

@@ -146,7 +146,7 @@ py::object next_of(const NextMeasurement& next) {
 
 py::dict calibrated(const std::string& model, const py::dict& numbers, const Integers& quantity,
                     const Integers& contact, const Numbers& value, const Numbers& std,
-                    int shear_law, const std::vector<int>& free, const Numbers& start,
+                    int shear_law, int pressing, const std::vector<int>& free, const Numbers& start,
                     const std::vector<double>& curve_loads_N) {
   const Contacts contacts(numbers);
   CalibrationProblem problem;
@@ -157,6 +157,7 @@ py::dict calibrated(const std::string& model, const py::dict& numbers, const Int
     problem.measurements.values.push_back(
         {MeasuredQuantity(quantity.at(i)), std::size_t(contact.at(i)), value.at(i), std.at(i)});
   problem.shear_law = ShearLaw::Kind(shear_law);
+  problem.pressing = PressingFriction(pressing);
   for (const int parameter : free) problem.free.push_back(Parameter(parameter));
   for (std::size_t i = 0; i < kParameters; ++i) problem.start[i] = start.at(py::ssize_t(i));
   Findings findings;

@@ -43,6 +43,7 @@ class Contacts {
     batch_.finger_yy_per_m = column("finger_yy_per_m");
     batch_.finger_xy_per_m = column("finger_xy_per_m");
     batch_.are_objects_spherical = py::cast<bool>(numbers["is_object_spherical"]);
+    batch_.pressing_friction_coefficient = column("pressing_friction_coefficient");
     friction_coefficient_ = column("friction_coefficient");
     object_thickness_m_ = column("object_thickness_m");
     object_youngs_modulus_Pa_ = column("object_youngs_modulus_Pa");
@@ -55,12 +56,16 @@ class Contacts {
   }
 
   std::size_t count() const { return batch_.count; }
-  /// The contacts without friction and without the object's layers.
+  /// The contacts without the object's layers, and with friction while pressing alone.
   const ContactBatch& batch() const { return batch_; }
   bool have_object_layers() const {
     for (std::size_t i = 0; i < count(); ++i)
       if (object_thickness_m_[i] != 0) return true;
     return false;
+  }
+  /// The coefficient that acts while this contact is pressed.
+  double pressing_friction_coefficient(std::size_t index) const {
+    return batch_.pressing_friction_coefficient[index];
   }
   ContactProblem problem(std::size_t index) const {
     ContactProblem problem = batch_.problem(index);

@@ -1,28 +1,31 @@
 #include "softfinger/pressure/gradient.h"
 
 #include "analytic/python/bindings/contacts.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::python {
 namespace {
 
 /// Numbers and variables are in the order of softfinger/_gradient.py.
-constexpr std::size_t kNumbers = 11, kVariables = kContactVariables + 1;
+constexpr std::size_t kNumbers = 12, kVariables = kContactVariables + 1;
 constexpr std::array<ContactVariable, kContactVariables> kVariablesInOrder{
     kNormalForce, kYoungsModulus,    kPoissonRatio,     kThickness,        kRadiusMajor,
     kRadiusMinor, kFingerCurvatureX, kFingerCurvatureY, kFingerCurvatureXY};
 
-std::array<const Derivatives*, kNumbers> numbers_of(const PredictionGradient& gradient) {
-  return {&gradient.a_m,
-          &gradient.b_m,
-          &gradient.indentation_m,
-          &gradient.area_m2,
-          &gradient.peak_pressure_Pa,
+std::array<const Derivatives*, kNumbers> numbers_of(const PredictionGradient& gradient,
+                                                    const PredictionGradient& pressed) {
+  return {&pressed.a_m,
+          &pressed.b_m,
+          &pressed.indentation_m,
+          &pressed.area_m2,
+          &pressed.peak_pressure_Pa,
+          &pressed.torque_arm_exact_m,
           &gradient.torque_arm_exact_m,
           &gradient.torque_arm_paper_m,
           &gradient.max_torque_Nm,
-          &gradient.torsional_stiffness_Nm_per_rad,
-          &gradient.tangential_stiffness_x_N_per_m,
-          &gradient.tangential_stiffness_y_N_per_m};
+          &pressed.torsional_stiffness_Nm_per_rad,
+          &pressed.tangential_stiffness_x_N_per_m,
+          &pressed.tangential_stiffness_y_N_per_m};
 }
 
 /// Whether derivatives are known, the three stuck stiffnesses (3, n), and derivatives
@@ -39,12 +42,19 @@ py::tuple gradient(const std::optional<std::string>& name, const py::dict& numbe
     const py::gil_scoped_release others_may_run;
     for (std::size_t i = 0; i < count; ++i) {
       const ContactProblem problem = contacts.problem(i);
-      const PredictionGradient of = predict_with_gradient(model.of(problem), problem).gradient;
+      const PressureModel& one = model.of(problem);
+      const PredictionWithGradient frictionless = predict_with_gradient(one, problem);
+      const PredictionGradient& of = frictionless.gradient;
+      const PredictionWithGradient pressed =
+          knows_pressing_friction(one)
+              ? rubbed(one, frictionless, problem, contacts.pressing_friction_coefficient(i))
+              : frictionless;
       is_known[i] = of.known;
-      stuck[i] = of.stuck.torsional_Nm_per_rad;
-      stuck[count + i] = of.stuck.tangential_x_N_per_m;
-      stuck[2 * count + i] = of.stuck.tangential_y_N_per_m;
-      const std::array<const Derivatives*, kNumbers> rows = numbers_of(of);
+      const StuckStiffness& sticking = pressed.gradient.stuck;
+      stuck[i] = sticking.torsional_Nm_per_rad;
+      stuck[count + i] = sticking.tangential_x_N_per_m;
+      stuck[2 * count + i] = sticking.tangential_y_N_per_m;
+      const std::array<const Derivatives*, kNumbers> rows = numbers_of(of, pressed.gradient);
       for (std::size_t number = 0; number < kNumbers; ++number)
         for (std::size_t variable = 0; variable < kVariables; ++variable)
           by[(number * kVariables + variable) * count + i] =

@@ -3,7 +3,9 @@
 #include <optional>
 
 #include "analytic/python/bindings/contacts.h"
-#include "softfinger/accuracy/error_bound.h"
+#include "softfinger/accuracy/pressing_error.h"
+#include "softfinger/input/pressing_friction.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 /// The calls that a control loop makes: one contact, plain numbers. Turning each number into an
 /// array, as arrays of contacts need it, would take a hundred times what the model takes.
@@ -23,6 +25,9 @@ constexpr std::array kPredicted{"a_m",
                                 "peak_pressure_Pa",
                                 "torque_arm_exact_m",
                                 "torque_arm_paper_m",
+                                "pressure_arm_m",
+                                "frictionless_a_m",
+                                "frictionless_b_m",
                                 "max_force_N",
                                 "max_torque_Nm",
                                 "eccentricity_m",
@@ -84,15 +89,23 @@ class OneContact {
     if (!asked) return std::nullopt;
     const Prediction answer = asked->model->predict(asked->problem);
     if (!answer.has_answer) return std::nullopt;
+    const bool is_rubbed =
+        asked->pressing_friction_coefficient > 0 && knows_pressing_friction(*asked->model);
+    const Prediction pressed = is_rubbed ? rubbed(*asked->model, answer, asked->problem,
+                                                  asked->pressing_friction_coefficient)
+                                         : answer;
     const ContactLoad& load = asked->problem.load;
     const double force_N = load.friction_coefficient * load.normal_force_N;
     py::dict fields;
     fields[model_] = py::str(asked->model->card().name);
     fields[has_answer_] = py::bool_(true);
     fields[shear_law_] = coulomb_;
+    fields[pressing_] =
+        pressings_[std::size_t(is_rubbed ? asked->pressing : PressingFriction::none)];
     add(predicted_,
-        {answer.a_m, answer.b_m, answer.indentation_m, answer.area_m2(), answer.peak_pressure_Pa,
-         answer.torque_arm_exact_m, answer.torque_arm_paper_m, force_N,
+        {pressed.a_m, pressed.b_m, pressed.indentation_m, pressed.area_m2(),
+         pressed.peak_pressure_Pa, answer.torque_arm_exact_m, answer.torque_arm_paper_m,
+         pressed.torque_arm_exact_m, answer.a_m, answer.b_m, force_N,
          force_N * answer.torque_arm_exact_m, answer.torque_arm_exact_m, load.normal_force_N,
          load.friction_coefficient, 0.},
         fields);
@@ -104,7 +117,8 @@ class OneContact {
     const std::optional<Question> asked = question(arguments, 0);
     // No bound is known of a measured law, which softfinger/_accuracy.py says in words.
     if (!asked || asked->model->card().is_empirical) return std::nullopt;
-    const ErrorBound found = softfinger::error_bound(*asked->model, asked->problem);
+    const ErrorBound found = softfinger::error_bound(*asked->model, asked->problem,
+                                                     asked->pressing_friction_coefficient);
     if (!found.known) return std::nullopt;
     py::dict fields;
     fields[model_] = py::str(asked->model->card().name);
@@ -131,6 +145,8 @@ class OneContact {
   struct Question {
     ContactProblem problem;
     const PressureModel* model = nullptr;
+    PressingFriction pressing = PressingFriction::none;
+    double pressing_friction_coefficient = 0;
   };
 
   /// A plain number; NaN for anything else.
@@ -175,6 +191,12 @@ class OneContact {
     asked.problem.load = {load_N, friction};
     asked.problem.object_layer = {object_m, object_Pa, object_poisson};
     asked.problem.finger_curvature = {xx_per_m, yy_per_m, xy_per_m};
+    PyObject* pressing = PyDict_GetItemWithError(arguments.ptr(), pressing_.ptr());
+    const std::optional<PressingFriction> told = pressing_of(pressing, asked.problem);
+    if (!told) return std::nullopt;
+    known += pressing ? 1 : 0;
+    asked.pressing = *told;
+    asked.pressing_friction_coefficient = pressing_friction_coefficient(*told, friction);
     PyObject* name = PyDict_GetItemWithError(arguments.ptr(), model_.ptr());
     asked.model = name && name != Py_None ? named(name) : &default_model(asked.problem);
     // An argument that is not known here has its meaning elsewhere, and a slow model lets other
@@ -183,6 +205,21 @@ class OneContact {
         !asked.model->card().hot_path)
       return std::nullopt;
     return asked;
+  }
+
+  /// As softfinger/_contacts.py has it; nothing for what it refuses.
+  std::optional<PressingFriction> pressing_of(PyObject* given,
+                                              const ContactProblem& problem) const {
+    PressingFriction told = PressingFriction::coulomb;
+    if (given && given != Py_None) {
+      std::size_t index = 0;
+      while (index < pressings_.size() &&
+             !(PyUnicode_Check(given) && PyUnicode_Compare(given, pressings_[index].ptr()) == 0))
+        ++index;
+      if (index == pressings_.size()) return std::nullopt;
+      told = PressingFriction(index);
+    }
+    return problem.has_object_layer() ? PressingFriction::none : told;
   }
 
   static const PressureModel* named(PyObject* name) {
@@ -200,7 +237,10 @@ class OneContact {
   const std::array<py::str, kErrors.size()> errors_ = interned(kErrors);
   const py::str model_ = interned("model"), has_answer_ = interned("has_answer"),
                 known_ = interned("known"), outside_ = interned("outside"),
-                shear_law_ = interned("shear_law"), coulomb_ = interned("coulomb");
+                shear_law_ = interned("shear_law"), coulomb_ = interned("coulomb"),
+                pressing_ = interned("pressing");
+  const std::array<py::str, kPressingFrictionNames.size()> pressings_ =
+      interned(kPressingFrictionNames);
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "analytic/python/bindings/contacts.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::python {
 namespace {
@@ -19,6 +20,7 @@ py::list models() {
     entry["cost"] = std::string(card.cost);
     entry["is_fast"] = card.hot_path;
     entry["has_finite_strain"] = card.finite_strain;
+    entry["knows_pressing_friction"] = knows_pressing_friction(*model);
     cards.append(entry);
   }
   return cards;
@@ -36,18 +38,32 @@ py::array_t<int> default_models(const py::dict& numbers) {
   return result;
 }
 
+/// A model's answer with the friction that acts while pressing, where the model knows it.
+Prediction as_pressed(const PressureModel& model, const Prediction& frictionless,
+                      const ContactProblem& problem, double friction_coefficient) {
+  return frictionless.has_answer && knows_pressing_friction(model)
+             ? rubbed(model, frictionless, problem, friction_coefficient)
+             : frictionless;
+}
+
 /// Predicts one contact at a time: predict_batch handles one model and rigid objects only.
 void predict_each(const AskedModel& model, const Contacts& contacts,
                   const PredictionBatch& answers) {
   for (std::size_t i = 0; i < contacts.count(); ++i) {
     const ContactProblem problem = contacts.problem(i);
-    const Prediction answer = model.of(problem).predict(problem);
-    answers.a_m[i] = answer.a_m;
-    answers.b_m[i] = answer.b_m;
-    answers.indentation_m[i] = answer.indentation_m;
-    answers.peak_pressure_Pa[i] = answer.peak_pressure_Pa;
+    const PressureModel& one = model.of(problem);
+    const Prediction answer = one.predict(problem);
+    const Prediction pressed =
+        as_pressed(one, answer, problem, contacts.pressing_friction_coefficient(i));
+    answers.a_m[i] = pressed.a_m;
+    answers.b_m[i] = pressed.b_m;
+    answers.indentation_m[i] = pressed.indentation_m;
+    answers.peak_pressure_Pa[i] = pressed.peak_pressure_Pa;
     answers.torque_arm_exact_m[i] = answer.torque_arm_exact_m;
     answers.torque_arm_paper_m[i] = answer.torque_arm_paper_m;
+    answers.pressure_arm_m[i] = pressed.torque_arm_exact_m;
+    answers.frictionless_a_m[i] = answer.a_m;
+    answers.frictionless_b_m[i] = answer.b_m;
   }
 }
 
@@ -65,7 +81,10 @@ py::dict predict(const std::optional<std::string>& name, const py::dict& numbers
                                 output("indentation_m"),
                                 output("peak_pressure_Pa"),
                                 output("torque_arm_exact_m"),
-                                output("torque_arm_paper_m")};
+                                output("torque_arm_paper_m"),
+                                output("pressure_arm_m"),
+                                output("frictionless_a_m"),
+                                output("frictionless_b_m")};
   const py::gil_scoped_release others_may_run;
   const PressureModel* model = asked.common();
   if (!model || contacts.have_object_layers())
@@ -77,9 +96,15 @@ py::dict predict(const std::optional<std::string>& name, const py::dict& numbers
 
 /// Returns the validity checks of one contact: each assumption of the model and whether it holds.
 py::list checks(const std::string& name, const py::dict& numbers) {
+  const PressureModel& model = model_named(name);
+  const Contacts contacts(numbers);
+  const ContactProblem problem = contacts.problem(0);
+  Prediction answer = model.predict(problem);
+  const double mu = contacts.pressing_friction_coefficient(0);
+  if (answer.has_answer && mu > 0 && !knows_pressing_friction(model))
+    answer.validity.add(check_frictionless_pressing(model, answer, problem, mu));
   py::list result;
-  for (const ValidityCheck& check :
-       model_named(name).predict(Contacts(numbers).problem(0)).validity)
+  for (const ValidityCheck& check : answer.validity)
     result.append(py::make_tuple(check.check, check.value, check.limit, check.holds(),
                                  check.holds_below, check.message));
   return result;
@@ -89,7 +114,9 @@ py::list checks(const std::string& name, const py::dict& numbers) {
 std::optional<Numbers> pressure_Pa(const std::string& name, const py::dict& numbers,
                                    const Numbers& points_m) {
   const PressureModel& model = model_named(name);
-  const ContactProblem problem = Contacts(numbers).problem(0);
+  const Contacts contacts(numbers);
+  const ContactProblem problem = contacts.problem(0);
+  const double mu = contacts.pressing_friction_coefficient(0);
   const double* point = rows(points_m, 2);
   Numbers result(points_m.shape(0));
   double* pressure = result.mutable_data();
@@ -98,8 +125,13 @@ std::optional<Numbers> pressure_Pa(const std::string& name, const py::dict& numb
   {
     const py::gil_scoped_release others_may_run;
     prediction = model.predict(problem);
-    for (py::ssize_t i = 0; prediction.has_answer && i < count; ++i)
-      pressure[i] = model.pressure_Pa(problem, prediction, point[2 * i], point[2 * i + 1]);
+    const Prediction pressed = as_pressed(model, prediction, problem, mu);
+    const bool is_rubbed = mu > 0 && knows_pressing_friction(model);
+    for (py::ssize_t i = 0; prediction.has_answer && i < count; ++i) {
+      const double x_m = point[2 * i], y_m = point[2 * i + 1];
+      pressure[i] = is_rubbed ? rubbed_pressure_Pa(model, problem, pressed, x_m, y_m)
+                              : model.pressure_Pa(problem, prediction, x_m, y_m);
+    }
   }
   return prediction.has_answer ? std::optional<Numbers>(result) : std::nullopt;
 }

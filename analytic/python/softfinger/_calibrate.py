@@ -13,6 +13,7 @@ from . import _core
 from ._contacts import (
     ARRAYS,
     POSITIVE,
+    PRESSINGS,
     SCALARS,
     SHEAR_LAWS,
     Contacts,
@@ -20,6 +21,7 @@ from ._contacts import (
     as_numbers,
     broadcast,
     check_range,
+    check_pressing,
     check_shear_law,
     single_model,
 )
@@ -187,6 +189,7 @@ def calibrate(
     friction_coefficient: Optional[float] = None,
     shear_strength_Pa: Optional[float] = None,
     shear_law: str = "coulomb",
+    pressing: Optional[str] = None,
     finger_xx_per_m: float = 0.0,
     finger_yy_per_m: float = 0.0,
     finger_xy_per_m: float = 0.0,
@@ -216,6 +219,8 @@ def calibrate(
         youngs_modulus_Pa, thickness_m, poisson_ratio: of the layer, to start from, or as known
         friction_coefficient, shear_strength_Pa: the same; as the shear law has them
         shear_law: as `predict` has it
+        pressing: as `predict` has it; default: by Coulomb's law where that is the shear law and its
+            coefficient is given or to be found
         fit: what to find, out of "youngs_modulus", "thickness", "poisson_ratio", "radius",
             "friction_coefficient", "shear_strength"; default: the first two, and where friction was
             measured what the shear law has. Not the thickness for hertz and winkler, which cannot
@@ -245,6 +250,9 @@ def calibrate(
 
     unique_N, contact_of_row = numpy.unique(loads.reshape(-1), return_inverse=True)
     contacts = _contacts(given, start, unique_N)
+    if pressing is None and not _takes_part("friction_coefficient", names, given, fixed, shear_law):
+        pressing = "frictionless"
+    given["pressing"] = pressing = check_pressing("calibrate", shear_law, pressing)
     model = single_model("calibrate", contacts, model)  # the loads are those of one finger
     rows = list(_rows(measured))
     quantity, index = numpy.array(rows).T
@@ -270,6 +278,7 @@ def calibrate(
         value,
         numpy.nan_to_num(std),
         SHEAR_LAWS.index(shear_law),
+        PRESSINGS.index(pressing),
         [list(_RANGES).index(name) for name in names],
         numpy.array([start[name] for name in _RANGES]),
         curve_loads_N,
@@ -466,6 +475,7 @@ def _contacts(given, start, loads_N):
     """One for each load."""
     arguments = {number.name: number.default for number in ARRAYS + SCALARS}
     arguments.update({name: given[name] for name in arguments if given.get(name) is not None})
+    arguments["pressing"] = None
     for name in ("youngs_modulus", "thickness", "poisson_ratio", "friction_coefficient"):
         arguments[_PARAMETERS[name]] = start[name]
     for name in ("finger_xx_per_m", "finger_yy_per_m", "finger_xy_per_m"):
@@ -506,6 +516,8 @@ def _contact(values, names, given, fixed, law):
             contact[argument] = values[name]
     if law != "coulomb":
         contact["shear_law"] = law
+    if "friction_coefficient" in contact:
+        contact["pressing"] = given["pressing"]
     contact["winkler_modulus"] = given["winkler_modulus"]
     return contact
 

@@ -91,8 +91,17 @@ ARRAYS = (
     Number("object_youngs_modulus_Pa", NOT_NEGATIVE, 0.0, "of that layer", _MODULUS),
     Number("object_poisson_ratio", POISSON, 0.0, "of that layer", _POISSON),
 )
+# Friction while pressing, in the order of the C++ library's PressingFriction.
+PRESSINGS = ("frictionless", "coulomb", "stuck")
 # For all contacts of a call. The last four are for single models.
 SCALARS = (
+    Number(
+        "pressing",
+        None,
+        None,
+        "friction while pressing: 'coulomb', 'stuck' or 'frictionless'; None: by Coulomb's law where "
+        "that is the shear law, and without friction on an object with a layer",
+    ),
     Number(
         "is_object_spherical",
         None,
@@ -213,6 +222,28 @@ def friction_of(function, law, friction_coefficient, shear_strength_Pa):
     return tuple(0.0 if value is None else value for value in given.values())
 
 
+def check_pressing(function, law, pressing):
+    """The friction while pressing that is meant, by its name."""
+    if pressing is None:
+        return "coulomb" if law == "coulomb" else "frictionless"
+    if not isinstance(pressing, str) or pressing not in PRESSINGS:
+        raise InputError(function, "pressing", pressing, choices(pressing, PRESSINGS))
+    if pressing != "frictionless" and law != "coulomb":
+        allowed = "'frictionless' with another shear law than 'coulomb'"
+        raise InputError(function, "pressing", pressing, allowed)
+    return pressing
+
+
+def _pressing_friction(flat):
+    """The coefficient that acts while each contact is pressed. How two layers rub is not known."""
+    friction = flat["friction_coefficient"]
+    if flat["pressing"] == "frictionless":
+        return numpy.zeros_like(friction)
+    if flat["pressing"] == "stuck":
+        friction = numpy.full_like(friction, numpy.inf)
+    return numpy.where(flat["object_thickness_m"] > 0, 0.0, friction)
+
+
 def refuse_first(function, name, values, inside, allowed):
     index = numpy.unravel_index(numpy.argmin(inside), numpy.shape(inside))
     place = "[" + ", ".join(str(int(i)) for i in index) + "]" if index else ""
@@ -303,6 +334,8 @@ class Contacts:
                 value = float(array)
             flat[number.name] = value
         flat["shear_law"] = law
+        flat["pressing"] = check_pressing(function, law, flat["pressing"])
+        flat["pressing_friction_coefficient"] = _pressing_friction(flat)
         if flat["winkler_modulus"] not in ("oedometric", "youngs"):
             raise InputError(
                 function, "winkler_modulus", flat["winkler_modulus"], "'oedometric' or 'youngs'"
@@ -429,6 +462,10 @@ def complete(function, arguments, defaults):
     return complete
 
 
+def _annotation(default):
+    return "Optional[str]" if default is None else type(default).__name__
+
+
 def _taking(function, arrays, scalars, at_once=None):
     own = list(inspect.signature(function).parameters.values())[1:]
     contact = [
@@ -440,7 +477,7 @@ def _taking(function, arrays, scalars, at_once=None):
         )
         for number, annotation in [
             *((n, "Optional[ArrayLike]" if n.default is None else "ArrayLike") for n in arrays),
-            *((n, type(n.default).__name__) for n in scalars),
+            *((n, _annotation(n.default)) for n in scalars),
         ]
     ]
     own_by_keyword = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]

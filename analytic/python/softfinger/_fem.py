@@ -106,6 +106,8 @@ def _case_of(arguments: dict[str, Any]):
         raise InputError("fem", "normal_force_N", given["normal_force_N"], "at least one load")
     law = given["shear_law"]
     contact = {"load_N": numbers["normal_force_N"], "shear_law": law}
+    if given["pressing"] is not None:
+        contact["pressing"] = given["pressing"]
     if law != "shear_strength":
         contact["friction_coefficient"] = one["friction_coefficient"]
     if law != "coulomb":

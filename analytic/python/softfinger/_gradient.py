@@ -51,6 +51,7 @@ class PredictionWithGradient(Result):
     d_indentation_m: Derivatives
     d_area_m2: Derivatives
     d_peak_pressure_Pa: Derivatives
+    d_pressure_arm_m: Derivatives
     d_torque_arm_exact_m: Derivatives
     d_torque_arm_paper_m: Derivatives
     d_max_torque_Nm: Derivatives

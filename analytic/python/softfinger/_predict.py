@@ -37,6 +37,7 @@ class ModelCard:
     cost: str
     is_fast: bool  #: microseconds, no allocation
     has_finite_strain: bool  #: of large deformation
+    knows_pressing_friction: bool  #: whether its answers have the friction that acts while pressing
 
 
 def models() -> dict[str, ModelCard]:
@@ -46,7 +47,8 @@ def models() -> dict[str, ModelCard]:
 
 @result
 class Prediction(Result):
-    """Contact ellipse and pressure. Arrays of contacts are masked where the model has no answer; a
+    """Contact ellipse and pressure, as pressed with friction where `pressing` says so. What friction
+    carries at full slip is that of frictionless pressing: its direction has turned by then. Arrays of contacts are masked where the model has no answer; a
     single contact without one is a NoAnswer, which `predict` raises."""
 
     model: Words  #: that answered; an array where each contact got the recommended one
@@ -56,8 +58,12 @@ class Prediction(Result):
     indentation_m: Numbers  #: approach d of the two bodies, first touch = 0
     area_m2: Numbers  #: pi a b
     peak_pressure_Pa: Numbers
-    torque_arm_exact_m: Numbers  #: (int p r dA)/P, the e_n of the friction ellipsoid
-    torque_arm_paper_m: Numbers  #: that of the circle of radius sqrt(ab) (Ciocarlie et al. 2007)
+    pressing: Words  #: "coulomb", "stuck" or, for models that leave it out, "frictionless"
+    pressure_arm_m: Numbers  #: (int p r dA)/P as pressed
+    frictionless_a_m: Numbers  #: semi-axes of the contact that is pressed without friction
+    frictionless_b_m: Numbers
+    torque_arm_exact_m: Numbers  #: (int p r dA)/P of that one, the e_n of the friction ellipsoid
+    torque_arm_paper_m: Numbers  #: the arm of the circle of radius sqrt(ab) (Ciocarlie et al. 2007)
     max_force_N: Numbers  #: by the shear law; Coulomb's: mu P
     max_torque_Nm: Numbers  #: by the shear law; Coulomb's: mu P times the exact arm
     eccentricity_m: Numbers  #: largest torque over largest force
@@ -74,7 +80,7 @@ class Prediction(Result):
         """The exact limit surface of a single contact: a LimitSurface under Coulomb's law, else a
         ShearSurface.
 
-        Its pressure is p ~ (1 - x²/a² - y²/b²)^n on this ellipse, with the n that has this torque
+        Its pressure is p ~ (1 - x²/a² - y²/b²)^n on the ellipse without friction, with the n that has this torque
         arm.
 
         Raises:
@@ -82,14 +88,14 @@ class Prediction(Result):
         """
         if numpy.shape(self.a_m):
             raise InputError("limit_surface", "shape", numpy.shape(self.a_m), "one contact")
+        ellipse = (self.frictionless_a_m, self.frictionless_b_m)
         (exponent,) = _core.equivalent_exponents(
-            *(numpy.array([x]) for x in (self.a_m, self.b_m, self.torque_arm_exact_m))
+            *(numpy.array([x]) for x in (*ellipse, self.torque_arm_exact_m))
         )
         if self.shear_law == "coulomb":
-            return LimitSurface(self.a_m, self.b_m, exponent, self.max_force_N)
+            return LimitSurface(*ellipse, exponent, self.max_force_N)
         return ShearSurface(
-            self.a_m,
-            self.b_m,
+            *ellipse,
             exponent,
             self.normal_force_N,
             self.shear_law,
@@ -143,7 +149,7 @@ def predict(contacts, model: Optional[str] = None) -> Prediction:
     if law == "coulomb":
         arm = numbers["torque_arm_exact_m"].copy()
     else:
-        ellipse = (numbers["a_m"], numbers["b_m"])
+        ellipse = (numbers["frictionless_a_m"], numbers["frictionless_b_m"])
         exponent = _core.equivalent_exponents(*ellipse, numbers["torque_arm_exact_m"])
         force, arm = _core.friction_ellipsoids(
             SHEAR_LAWS.index(law), *ellipse, exponent, load, friction, strength
@@ -155,9 +161,23 @@ def predict(contacts, model: Optional[str] = None) -> Prediction:
         names,
         shaped(has_answer, shape),
         shear_law=law,
+        pressing=_pressings(contacts, names),
         **{name: shaped(masked(x, has_answer), shape) for name, x in numbers.items()},
         **{name: shaped(x, shape) for name, x in asked.items()},
     )
+
+
+_KNOWS_PRESSING_FRICTION = {
+    card["name"]: card["knows_pressing_friction"] for card in _core.models()
+}
+
+
+def _pressings(contacts, names):
+    """The friction that each answer is pressed with. The recommended models all know it."""
+    name, friction = (contacts.numbers[x] for x in ("pressing", "pressing_friction_coefficient"))
+    if isinstance(names, str) and not _KNOWS_PRESSING_FRICTION[names]:
+        friction = numpy.zeros_like(friction)
+    return shaped(numpy.where(friction > 0, name, "frictionless").astype(object), contacts.shape)
 
 
 def no_answer(function, contacts, model):

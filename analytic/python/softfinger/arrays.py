@@ -37,6 +37,7 @@ import numpy
 
 from . import _core
 from ._contacts import ARRAYS, AT_LEAST_ONE, POISSON, POSITIVE, as_numbers, check_range
+from ._contacts import PRESSINGS as _PRESSINGS
 from ._errors import InputError
 from ._names import choices, suggests_keywords
 from ._pads import PRESSINGS, FlatPad
@@ -342,31 +343,46 @@ class Contact(NamedTuple):
     indentation_m: Any  #: approach d of the two bodies
     area_m2: Any  #: pi a b
     peak_pressure_Pa: Any
-    torque_arm_exact_m: Any  #: (int p r dA)/P
+    torque_arm_exact_m: Any  #: (int p r dA)/P of frictionless pressing
     torque_arm_paper_m: Any  #: that of the circle of radius sqrt(ab) (Ciocarlie et al. 2007)
     max_force_N: Any  #: mu P
     max_torque_Nm: Any  #: mu P e_n
     eccentricity_m: Any  #: e_n of the friction ellipsoid: the exact arm
+    pressure_arm_m: Any  #: (int p r dA)/P as pressed
     normal_stiffness_N_per_m: Any  #: dP/dd at the load; None unless asked for
 
 
-def _contact(function, program, arguments, with_stiffness):
+#: Stands for all that sticks: the ratios no longer change.
+_STICKS = 1e6
+
+
+def _check_pressing(function, pressing):
+    if pressing not in _PRESSINGS:
+        raise InputError(function, "pressing", pressing, choices(pressing, _PRESSINGS))
+    return pressing != "frictionless"
+
+
+def _pressing_friction(library, pressing, friction):
+    return library.array(_STICKS) if pressing == "stuck" else friction
+
+
+def _contact(function, program, arguments, pressing, with_stiffness):
     library, known, x = _checked(function, arguments, _RANGES)
     with numpy.errstate(all="ignore"):
         ratio = x["radius_major_m"] / x["radius_minor_m"]
     known = known & (ratio >= 1) & (ratio <= _TABLES["largest_radii_ratio"])
-    numbers, slopes = _replay(
-        library, program, [x[name] for name in _INPUTS], 0 if with_stiffness else None
-    )
-    a, b, _, _, arm, paper_arm = numbers
     mu = x["friction_coefficient"]
+    inputs = [x[name] for name in _INPUTS] + [_pressing_friction(library, pressing, mu)]
+    numbers, slopes = _replay(library, program, inputs, 0 if with_stiffness else None)
+    *numbers, pressure_arm = numbers if pressing != "frictionless" else [*numbers, numbers[4]]
+    a, b, _, _, arm, paper_arm = numbers
     with numpy.errstate(all="ignore"):
         force = mu * x["normal_force_N"]
         torque, area = force * arm, math.pi * a * b
         stiffness = 1 / slopes[2] if with_stiffness else None
         with_friction = _are_normal(library, (force, torque, force * paper_arm))
         known = known & _are_normal(library, (*numbers, area)) & ((mu == 0) | with_friction)
-    fields = [*numbers[:3], area, *numbers[3:], force, torque, arm, stiffness]
+    fields = [*numbers[:3], area, *numbers[3:], force, torque, arm, pressure_arm, stiffness]
     return Contact(*(None if n is None else library.where(known, n, math.nan) for n in fields))
 
 
@@ -384,12 +400,13 @@ def fingertip_layer(
     finger_yy_per_m=0.0,
     finger_xy_per_m=0.0,
     is_object_spherical: bool = False,
+    pressing: str = "coulomb",
     with_stiffness: bool = False,
 ) -> Contact:
     """Contact of a curved finger's layer at finite strain, the recommended model of one layer.
 
-    Equations and their source are those of `softfinger.models()["fingertip_layer"]`: pressing
-    without friction, a rigid object.
+    Equations and their source are those of `softfinger.models()["fingertip_layer"]`, and of
+    rubbed_prediction.h for friction while pressing; a rigid object.
 
     Args:
         normal_force_N: load P, positive and finite
@@ -400,6 +417,7 @@ def fingertip_layer(
         friction_coefficient: mu, finite and not negative
         finger_xx_per_m, finger_yy_per_m, finger_xy_per_m: the finger's own curvature, finite
         is_object_spherical: the object is an exact sphere, not its paraboloid
+        pressing: friction while pressing: "coulomb", "stuck" or "frictionless"
         with_stiffness: whether dP/dd is wanted, which takes half as long again
 
     Returns:
@@ -409,8 +427,10 @@ def fingertip_layer(
         InputError: an argument is no array of floating-point numbers, or shapes do not broadcast
     """
     arguments = {name: value for name, value in locals().items() if name in _RANGES}
-    program = _program("fingertip_layer", bool(is_object_spherical))
-    return _contact("arrays.fingertip_layer", program, arguments, with_stiffness)
+    function = "arrays.fingertip_layer"
+    is_rubbed = _check_pressing(function, pressing)
+    program = _program("fingertip_layer", bool(is_object_spherical), is_rubbed)
+    return _contact(function, program, arguments, pressing, with_stiffness)
 
 
 @suggests_keywords
@@ -423,17 +443,20 @@ def bonded_layer(
     radius_major_m,
     radius_minor_m,
     friction_coefficient,
+    pressing: str = "coulomb",
     with_stiffness: bool = False,
 ) -> Contact:
     """Contact of a flat layer of any thickness in linear elasticity, bonded to a rigid base.
 
-    Equations and their source are those of `softfinger.models()["bonded_layer"]`: pressing without
-    friction, a rigid object. Arguments, results and errors are those of `fingertip_layer`.
+    Equations and their source are those of `softfinger.models()["bonded_layer"]`, and of
+    rubbed_prediction.h for friction while pressing; a rigid object. Arguments, results and errors
+    are those of `fingertip_layer`.
     """
     arguments = {name: value for name, value in locals().items() if name in _RANGES}
     arguments.update(finger_xx_per_m=0.0, finger_yy_per_m=0.0, finger_xy_per_m=0.0)
-    program = _program("bonded_layer")
-    return _contact("arrays.bonded_layer", program, arguments, with_stiffness)
+    function = "arrays.bonded_layer"
+    program = _program("bonded_layer", _check_pressing(function, pressing))
+    return _contact(function, program, arguments, pressing, with_stiffness)
 
 
 class Bounds(NamedTuple):
@@ -455,7 +478,10 @@ _BOUNDED = tuple(
 
 
 def error_bound(
-    model: str = "fingertip_layer", is_object_spherical: bool = False, **contact
+    model: str = "fingertip_layer",
+    is_object_spherical: bool = False,
+    pressing: str = "coulomb",
+    **contact,
 ) -> Bounds:
     """How far a model is from the whole finger, as `softfinger.error_bound` has it.
 
@@ -463,6 +489,7 @@ def error_bound(
 
     Args:
         model: "fingertip_layer" or "bonded_layer"
+        pressing: as of `fingertip_layer`
         contact: the arguments of `fingertip_layer`, without `with_stiffness`
 
     Returns:
@@ -474,21 +501,32 @@ def error_bound(
     models = ("fingertip_layer", "bonded_layer")
     if model not in models:
         raise InputError("arrays.error_bound", "model", model, choices(model, models))
-    finger = fingertip_layer(**contact, is_object_spherical=is_object_spherical)
+    is_rubbed = _check_pressing("arrays.error_bound", pressing)
+    finger = fingertip_layer(
+        **contact, is_object_spherical=is_object_spherical, pressing="frictionless"
+    )
     answer = finger
     if model == "bonded_layer":
-        answer = bonded_layer(**{n: x for n, x in contact.items() if not n.startswith("finger_")})
+        flat = {n: x for n, x in contact.items() if not n.startswith("finger_")}
+        answer = bonded_layer(**flat, pressing="frictionless")
     arguments = {**dict.fromkeys(_INPUTS[6:], 0.0), **contact}
     library, known, x = _checked("arrays.error_bound", arguments, _RANGES)
     program = _program("error_bands", bool(is_object_spherical))
-    numbers, _ = _replay(library, program, [x[name] for name in _INPUTS])
+    inputs = [x[name] for name in _INPUTS]
+    numbers, _ = _replay(library, program, inputs)
+    missed = [0.0] * len(_BOUNDED)
+    if is_rubbed:
+        program = _program("pressing_errors", bool(is_object_spherical), model == models[0])
+        mu = _pressing_friction(library, pressing, x["friction_coefficient"])
+        missed = _replay(library, program, [*inputs, mu])[0]
+        missed = [*(library.where(mu > 0, one, 0.0) for one in missed), 0.0]
     widths, excesses = numbers[: len(_BOUNDED)], numbers[len(_BOUNDED) :]
     for excess in excesses:
         known = known & (excess <= 0)
     bounds = []
-    for i, width in zip(_BOUNDED, widths):
+    for i, width, left_out in zip(_BOUNDED, widths, missed):
         ratio = answer[i] / finger[i]
-        bound = library.of.abs(ratio - 1) + ratio * width
+        bound = library.of.abs(ratio - 1) + ratio * width + left_out
         bounds.append(library.where(known & (bound >= 0), bound, math.inf))
     return Bounds(*bounds)
 

@@ -27,6 +27,7 @@ class Contact(NamedTuple):
     max_force_N: Any
     max_torque_Nm: Any
     eccentricity_m: Any
+    pressure_arm_m: Any
     normal_stiffness_N_per_m: Any
 
 class Pad(NamedTuple):
@@ -59,9 +60,12 @@ def bonded_layer(
     radius_major_m,
     radius_minor_m,
     friction_coefficient,
+    pressing: str = ...,
     with_stiffness: bool = ...,
 ) -> Contact: ...
-def error_bound(model: str = ..., is_object_spherical: bool = ..., **contact) -> Bounds: ...
+def error_bound(
+    model: str = ..., is_object_spherical: bool = ..., pressing: str = ..., **contact
+) -> Bounds: ...
 def fingertip_layer(
     *,
     normal_force_N,
@@ -75,6 +79,7 @@ def fingertip_layer(
     finger_yy_per_m=...,
     finger_xy_per_m=...,
     is_object_spherical: bool = ...,
+    pressing: str = ...,
     with_stiffness: bool = ...,
 ) -> Contact: ...
 def pad_layer(

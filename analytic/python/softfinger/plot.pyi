@@ -23,6 +23,7 @@ def plot_contact(
     object_youngs_modulus_Pa: ArrayLike = ...,
     object_poisson_ratio: ArrayLike = ...,
     shear_strength_Pa: Optional[ArrayLike] = ...,
+    pressing: Optional[str] = ...,
     is_object_spherical: bool = ...,
     winkler_modulus: str = ...,
     power_law_coefficient: float = ...,
@@ -30,13 +31,13 @@ def plot_contact(
     power_law_pressure_exponent: float = ...,
     shear_law: str = ...,
     model: Optional[str] = ...,
-    axes: Any = ...
+    axes: Any = ...,
 ) -> Any: ...
 def plot_limit_surface(
     limit: Union[LimitSurface, ShearSurface, FrictionEllipsoid],
     direction_rad: float = ...,
     axes: Any = ...,
     count: int = ...,
-    **style: Any
+    **style: Any,
 ) -> Any: ...
 def plot_calibration(found: Calibration, axes: Any = ...) -> Any: ...
