@@ -10,16 +10,18 @@
 #include "comparisons/exporting/contact_stiffness.h"
 #include "comparisons/exporting/simulator.h"
 #include "softfinger/accuracy/default_model.h"
-#include "softfinger/accuracy/error_bound.h"
+#include "softfinger/accuracy/pressing_error.h"
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/pressure/equivalent_exponent.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger::explorer {
 namespace {
 
 struct Answer {
-  Prediction prediction;
+  Prediction prediction;  ///< of frictionless pressing, which the largest torque is that of
+  Prediction pressed;     ///< with friction, where the model knows it
   ErrorBound bound;
 
   double worst() const { return worst_of(bound.bound); }
@@ -27,6 +29,7 @@ struct Answer {
 
 std::string model_json(const PressureModel& model, const Answer& answer, const Question& question) {
   const Prediction& prediction = answer.prediction;
+  const Prediction& pressed = answer.pressed;
   const ContactLoad& load = question.problem.load;
   const double torque_Nm =
       load.friction_coefficient * load.normal_force_N * prediction.torque_arm_exact_m;
@@ -40,23 +43,30 @@ std::string model_json(const PressureModel& model, const Answer& answer, const Q
       "{{\"name\":{},\"has_answer\":{},\"a_m\":{},\"b_m\":{},\"indentation_m\":{},\"area_m2\":{},"
       "\"peak_pressure_Pa\":{},\"max_torque_Nm\":{},\"eccentricity_m\":{},\"bound\":{},"
       "\"outside\":{},\"usable\":{},\"objections\":{}}}",
-      json_string(model.card().name), prediction.has_answer, told(prediction.a_m),
-      told(prediction.b_m), told(prediction.indentation_m), told(prediction.area_m2()),
-      told(prediction.peak_pressure_Pa), told(torque_Nm), told(prediction.torque_arm_exact_m),
+      json_string(model.card().name), prediction.has_answer, told(pressed.a_m), told(pressed.b_m),
+      told(pressed.indentation_m), told(pressed.area_m2()), told(pressed.peak_pressure_Pa),
+      told(torque_Nm), told(prediction.torque_arm_exact_m),
       answer.bound.known ? bounds.text() : "null", json_string(answer.bound.outside), usable,
       objections.text());
 }
 
+Prediction pressed_with_friction(const PressureModel& model, const ContactProblem& problem,
+                                 const Prediction& frictionless) {
+  return frictionless.has_answer && knows_pressing_friction(model)
+             ? rubbed(model, frictionless, problem, problem.load.friction_coefficient)
+             : frictionless;
+}
+
 std::string profile_json(const PressureModel& model, const ContactProblem& problem,
-                         const Prediction& prediction) {
+                         const Prediction& pressed) {
   // Steps that are shorter towards the edge, where the pressure of most models falls steeply.
   constexpr int kSteps = 48;
   List position, along_long, along_short;
   for (int i = 0; i <= kSteps; ++i) {
     const double part = std::sin(kPi / 2 * i / kSteps);
     position.add(json_number(part));
-    along_long.add(json_number(model.pressure_Pa(problem, prediction, part * prediction.a_m, 0)));
-    along_short.add(json_number(model.pressure_Pa(problem, prediction, 0, part * prediction.b_m)));
+    along_long.add(json_number(model.pressure_Pa(problem, pressed, part * pressed.a_m, 0)));
+    along_short.add(json_number(model.pressure_Pa(problem, pressed, 0, part * pressed.b_m)));
   }
   return fmt::format("{{\"position\":{},\"long_Pa\":{},\"short_Pa\":{}}}", position.text(),
                      along_long.text(), along_short.text());
@@ -94,23 +104,24 @@ std::string limit_json(const ContactProblem& problem, const Prediction& predicti
 }
 
 std::string simulators_json(const PressureModel& model, const ContactProblem& problem,
-                            const Prediction& prediction) {
+                            const Answer& answer) {
+  const Prediction& prediction = answer.prediction;
   exporting::SoftContact contact;
   contact.friction_coefficient = problem.load.friction_coefficient;
   contact.load_N = problem.load.normal_force_N;
   contact.eccentricity_m = prediction.torque_arm_exact_m;
-  contact.indentation_m = prediction.indentation_m;
+  contact.indentation_m = answer.pressed.indentation_m;
   const auto indentation_at = [&](double load_N) {
     ContactProblem other = problem;
     other.load.normal_force_N = load_N;
-    return model.predict(other).indentation_m;
+    return pressed_with_friction(model, other, model.predict(other)).indentation_m;
   };
   using exporting::kLoadStep;
   contact.normal_stiffness_N_per_m = exporting::normal_stiffness_N_per_m(
       contact.load_N, contact.indentation_m, indentation_at(contact.load_N / kLoadStep),
       indentation_at(contact.load_N * kLoadStep));
   contact.torsional_stiffness_Nm_per_rad =
-      exporting::torsional_stiffness_Nm_per_rad(problem, prediction.a_m, prediction.b_m);
+      exporting::torsional_stiffness_Nm_per_rad(problem, answer.pressed.a_m, answer.pressed.b_m);
   contact.radii = problem.radii;
   contact.origin = fmt::format("explorer, {}, {:.4g} N", model.card().name, contact.load_N);
   List list;
@@ -142,7 +153,11 @@ std::string answer(const Question& question) {
     const int place = int(answers.size());
     Answer told;
     told.prediction = model->predict(problem);
-    told.bound = error_bound(problem, told.prediction);
+    told.pressed = pressed_with_friction(*model, problem, told.prediction);
+    told.bound = error_bound(*model, problem, problem.load.friction_coefficient);
+    if (told.prediction.has_answer && !knows_pressing_friction(*model))
+      told.prediction.validity.add(check_frictionless_pressing(*model, told.prediction, problem,
+                                                               problem.load.friction_coefficient));
     answers.push_back(told);
     list.add(model_json(*model, told, question));
     if (model == recommended) by_default = place;
@@ -158,10 +173,10 @@ std::string answer(const Question& question) {
   std::string profile = "null", limit = "null", simulators = "[]";
   if (shown >= 0) {
     const PressureModel& model = *models()[std::size_t(shown)];
-    const Prediction& prediction = answers[std::size_t(shown)].prediction;
-    profile = profile_json(model, problem, prediction);
-    limit = limit_json(problem, prediction);
-    simulators = simulators_json(model, problem, prediction);
+    const Answer& told = answers[std::size_t(shown)];
+    profile = profile_json(model, problem, told.pressed);
+    limit = limit_json(problem, told.prediction);
+    simulators = simulators_json(model, problem, told);
   }
   return fmt::format(
       "{{\"models\":{},\"nearest\":{},\"recommended\":{},\"shown\":{},\"profile\":{},\"limit\":{},"

@@ -202,7 +202,7 @@ function verdictOf(answer) {
 const isGapOfCase = () => caseName && ["R1", "R2"].every((key) => state[key] === sliders.find((slider) => slider.key === key).start);
 const commandOf = () =>
   `softfinger predict ${isGapOfCase() ? caseName : `--radii-mm ${state.R1},${state.R2}`} --thickness-mm ${state.h} --youngs-modulus-kPa ${state.E} ` +
-  `--poisson-ratio ${state.nu} --load ${state.P} --friction ${state.mu} --set contact.pressing=frictionless --tolerance ${Number((state.within / 100).toPrecision(12))}` +
+  `--poisson-ratio ${state.nu} --load ${state.P} --friction ${state.mu} --tolerance ${Number((state.within / 100).toPrecision(12))}` +
   (caseName && !isGapOfCase() ? "   # takes the layer for flat, unlike this page" : "");
 
 // Putting it together --------------------------------------------------------------------------------

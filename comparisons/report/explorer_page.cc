@@ -106,9 +106,8 @@ Html model_table() {
                  column_heading("area", "mm²") + column_heading("approach", "mm") +
                  column_heading("peak pressure", "kPa") + column_heading("time here"),
              model_rows()) +
-         "<ul id=\"reasons\"></ul>\n<p>Pressed without friction. Rubber that sticks is pressed "
-         "in by up to an eighth less, which softfinger predict knows; the largest torque is the "
-         "same.</p>\n";
+         "<ul id=\"reasons\"></ul>\n<p>Pressed with this friction, by the models that know it; the "
+         "largest torque is that of pressing without.</p>\n";
 }
 
 /// @param part  "", or "pad-": of the ids and of the attributes by which the script finds them

@@ -16,7 +16,7 @@
 #include "comparisons/judgement/recommended.h"
 #include "comparisons/simulation/contact_model.h"
 #include "softfinger/accuracy/default_model.h"
-#include "softfinger/accuracy/error_bound.h"
+#include "softfinger/accuracy/pressing_error.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
 
@@ -168,6 +168,7 @@ class RandomCases {
     const double h_m = between_log(0.3e-3, 8e-3);
     contact.layer = {h_m, between_log(3e4, 3e6), uniform() < 0.2 ? 0.5 : 0.5 * uniform()};
     contact.shear_law.friction_coefficient = between_log(0.1, 1.5);
+    contact.pressing = PressingFriction::coulomb;
     const double major_m = between_log(1.2, 40) * h_m, minor_m = major_m / between_log(1, 25);
     const double plane = kInfinity;
     const auto quadric = [](double x_m, double y_m) {
@@ -273,7 +274,8 @@ TEST(AllCommands, SayTheSameOf300RandomContacts) {
           judgement::assess(contact, geometry, answer, prediction::TorqueRule::exact, demand);
       // The library
       const ErrorBound bound =
-          error_bound(*model, prediction::contact_problem(contact, geometry, load_N));
+          error_bound(*model, prediction::contact_problem(contact, geometry, load_N),
+                      contact.pressing_friction_coefficient());
       if (name != "power_law") {
         ASSERT_EQ(bound.known, told.bound.has_value()) << bound.outside << " - " << told.evidence;
       }

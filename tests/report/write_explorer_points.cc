@@ -12,10 +12,11 @@
 #include "comparisons/exporting/simulator.h"
 #include "comparisons/input/case.h"
 #include "comparisons/text/json_text.h"
-#include "softfinger/accuracy/error_bound.h"
+#include "softfinger/accuracy/pressing_error.h"
 #include "softfinger/friction/ellipsoid_deviation.h"
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/pressure/equivalent_exponent.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 
 namespace softfinger {
 namespace {
@@ -27,19 +28,31 @@ constexpr double kTolerance = 0.1;
 /// Numbers of points that the page draws.
 constexpr int kSectionPoints = 41, kProfilePoints = 49;
 
+/// The contact as it is pressed with friction, where the model knows it.
+Prediction pressed_by(const PressureModel& model, const ContactProblem& problem) {
+  const Prediction frictionless = model.predict(problem);
+  return frictionless.has_answer && knows_pressing_friction(model)
+             ? rubbed(model, frictionless, problem, problem.load.friction_coefficient)
+             : frictionless;
+}
+
 json numbers_of(const PressureModel& model, const ContactProblem& problem) {
-  const Prediction prediction = model.predict(problem);
+  Prediction prediction = model.predict(problem);
   if (!prediction.has_answer) return {{"name", model.card().name}, {"has_answer", false}};
-  const ErrorBound bound = error_bound(problem, prediction);
+  const double mu = problem.load.friction_coefficient;
+  const ErrorBound bound = error_bound(model, problem, mu);
+  if (!knows_pressing_friction(model))
+    prediction.validity.add(check_frictionless_pressing(model, prediction, problem, mu));
   int failing = 0;
   for (const ValidityCheck& check : prediction.validity) failing += !check.holds();
+  const Prediction pressed = pressed_by(model, problem);
   return {{"name", model.card().name},
           {"has_answer", true},
-          {"a_m", prediction.a_m},
-          {"b_m", prediction.b_m},
-          {"indentation_m", prediction.indentation_m},
-          {"area_m2", prediction.area_m2()},
-          {"peak_pressure_Pa", prediction.peak_pressure_Pa},
+          {"a_m", pressed.a_m},
+          {"b_m", pressed.b_m},
+          {"indentation_m", pressed.indentation_m},
+          {"area_m2", pressed.area_m2()},
+          {"peak_pressure_Pa", pressed.peak_pressure_Pa},
           {"max_torque_Nm", problem.load.friction_coefficient * problem.load.normal_force_N *
                                 prediction.torque_arm_exact_m},
           {"eccentricity_m", prediction.torque_arm_exact_m},
@@ -81,7 +94,7 @@ json limit_of(const PressureModel& model, const ContactProblem& problem) {
 }
 
 json profile_of(const PressureModel& model, const ContactProblem& problem) {
-  const Prediction prediction = model.predict(problem);
+  const Prediction prediction = pressed_by(model, problem);
   json along_long = json::array(), along_short = json::array();
   for (int i = 0; i < kProfilePoints; ++i) {
     const double part = std::sin(kPi / 2 * i / (kProfilePoints - 1));
@@ -99,6 +112,7 @@ json simulators_of(const PressureModel& model, const ContactProblem& problem) {
   contact_case.layer = problem.layer;
   contact_case.loads_N = {problem.load.normal_force_N};
   contact_case.shear_law = ShearLaw::coulomb(problem.load.friction_coefficient);
+  contact_case.pressing = PressingFriction::coulomb;
   const prediction::GeometryResolver resolver(contact_case);
   prediction::Demand demand;
   demand.tolerance = kTolerance;
