@@ -36,6 +36,7 @@
 #include "comparisons/text/nearest_name.h"
 #include "softfinger/accuracy/default_model.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::commands {
 namespace {
@@ -61,10 +62,15 @@ std::vector<const PressureModel*> chosen_models(const PredictOptions& options,
         std::remove_if(models.begin(), models.end(),
                        [](const PressureModel* model) { return model->card().is_empirical; }),
         models.end());
-  // Sublayers are known to slow models only.
+  // The answer of the fast model of stacks can be checked by the slow ones. For one layer it would
+  // be shown twice.
   if (options.models == "all" && judgement::is_stack(contact_case))
     for (const char* name : {"layer_fredholm", "layer_fft"})
       models.push_back(find_pressure_model(name));
+  else if (options.models == "all")
+    models.erase(std::remove_if(models.begin(), models.end(),
+                                [](const PressureModel* model) { return is_for_stacks(*model); }),
+                 models.end());
   const PressureModel* sampler = find_pressure_model("layer_fft");
   if (options.gap == "sampled" &&
       std::find(models.begin(), models.end(), sampler) == models.end()) {

@@ -15,6 +15,7 @@
 #include "softfinger/friction/limit_surface.h"
 #include "softfinger/pressure/equivalent_exponent.h"
 #include "softfinger/pressure/rubbed_prediction.h"
+#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::explorer {
 namespace {
@@ -137,7 +138,8 @@ const std::vector<const PressureModel*>& models() {
   static const std::vector<const PressureModel*> fast = [] {
     std::vector<const PressureModel*> found;
     for (const PressureModel* model : all_pressure_models())
-      if (model->card().hot_path && !model->card().is_empirical) found.push_back(model);
+      if (model->card().hot_path && !model->card().is_empirical && !is_for_stacks(*model))
+        found.push_back(model);
     return found;
   }();
   return fast;

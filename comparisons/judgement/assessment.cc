@@ -10,6 +10,7 @@
 #include "softfinger/accuracy/pressing_error.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/layer/fingertip_layer_core.h"
+#include "softfinger/layer/stack_contact.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -45,7 +46,7 @@ bool has_logarithmic_energy(const input::Case& contact_case) {
 /// at nu = 0 and d/h = 0.35.
 QuantityErrors change_by_logarithmic_energy(const prediction::ModelAnswer& answer) {
   constexpr QuantityErrors kPerStrain = {0.1, 0.1, 0.14, 0.2, 0.32, 0.13};
-  const ElasticLayer& layer = answer.problem.layer;
+  const ElasticLayer layer = with_equivalent_layer(answer.problem).layer;
   const double scale =
       answer.prediction.indentation_m / layer.thickness_m * std::cbrt(1 - 2 * layer.poisson_ratio);
   QuantityErrors change = kPerStrain;
@@ -67,10 +68,10 @@ const char* reason_without_bound(const input::Case& contact_case,
                                  const prediction::ModelAnswer& answer) {
   if (!answer.prediction.has_answer) return "the model has no answer";
   if (answer.sampled) return "bounds are known for the fitted quadric, not for a sampled gap";
-  if (is_stack(contact_case) && answer.model->knows_stacks())
-    return "the sublayers are solved exactly, linearly; how far that is from a finger at finite "
-           "strain is known for homogeneous layers only";
-  if (is_stack(contact_case)) return "bounds are known for homogeneous layers only";
+  if (is_stack(contact_case) && !answer.model->knows_stacks())
+    return "this model knows one homogeneous layer: no bound is known for sublayers";
+  if (is_stack(contact_case) && answer.problem.stack.count == 0)
+    return "no bounds are known for more than eight sublayers";
   if (!contact_case.fem_mesh.empty()) return "no bounds are known for layers of a user's own mesh";
   if (contact_case.fem_finite && contact_case.fem_finite->material != "neo_hookean")
     return "bounds are known for neo-Hookean layers only";
@@ -134,7 +135,7 @@ QuantityErrors change_with_facets(const ContactPatch& patch,
 }
 
 /// Relative error left open by the fit of the radii. A model that is too slow to be asked
-/// repeatedly gets that of bonded_layer: it follows from the geometry far more than from the model.
+/// repeatedly gets that of a fast one: it follows from the geometry far more than from the model.
 QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
                               const prediction::ModelAnswer& asked, prediction::TorqueRule rule) {
   QuantityErrors error;
@@ -143,7 +144,8 @@ QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
   prediction::ModelAnswer answer = asked;
   if (!answer.deviations) {
     if (!answer.model->card().hot_path) {
-      answer.model = find_pressure_model("bonded_layer");
+      answer.model =
+          find_pressure_model(answer.problem.stack.count > 0 ? "stack_layer" : "bonded_layer");
       answer.prediction = answer.model->predict(answer.problem);
     }
     prediction::propagate_radii_uncertainty(geometry.patch->relative, answer);
@@ -171,7 +173,7 @@ QuantityErrors geometry_error(const prediction::LocalGeometry& geometry,
 /// "; the nearest run, nu 0.45, R'/R'' 1.8, s 1.2, h/R 0.2, finger's part of the curvature 1 and 1:
 /// off by +3.1 % in area, +2.0 % in torque". Models that are slow are not asked for it.
 std::string nearest_run_in_words(const prediction::ModelAnswer& answer) {
-  const AtlasRun* run = nearest_finger_run(answer.problem);
+  const AtlasRun* run = nearest_finger_run(with_equivalent_layer(answer.problem));
   if (!run) return "";
   std::string words = fmt::format(
       "; the nearest run has nu {:.3g}, R'/R'' {:.3g}, s {:.3g}, h/R {:.3g}, finger's part of the "
@@ -230,8 +232,8 @@ Assessment assess_numbers(const input::Case& contact_case,
   }
   if (contact_case.pressing != PressingFriction::none) {
     const QuantityErrors missed = missed_of_pressing_friction(
-        *answer.model, answer.problem, contact_case.pressing_friction_coefficient(),
-        answer.prediction, answer.pressed());
+        *answer.model, with_equivalent_layer(answer.problem),
+        contact_case.pressing_friction_coefficient(), answer.prediction, answer.pressed());
     for (std::size_t q = 0; q < missed.size(); ++q) (*result.bound)[q] += missed[q];
   }
   if (answer.shear_law.kind != ShearLaw::Kind::coulomb) {
@@ -250,8 +252,13 @@ Assessment assess(const input::Case& contact_case, const prediction::LocalGeomet
   if (!result.bound) return result;
   if (result.known())
     result.evidence =
-        "this model against fingertip_layer, which was fitted to finite-element runs of whole "
-        "fingers at finite strain, pressed without friction: 95 % of them lie inside" +
+        (is_stack(contact_case)
+             ? "this model against stack_layer, corrected for strain and curvature as the "
+               "homogeneous layer with this contact: by finite-element runs of whole homogeneous "
+               "fingers, checked on stacks at finite strain, pressed without friction"
+             : "this model against fingertip_layer, which was fitted to finite-element runs of "
+               "whole fingers at finite strain, pressed without friction: 95 % of them lie "
+               "inside") +
         nearest_run_in_words(answer) +
         (contact_case.pressing == PressingFriction::none
              ? ""

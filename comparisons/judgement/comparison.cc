@@ -12,6 +12,7 @@
 #include "comparisons/reference/fem_process.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/pressure/rubbed_prediction.h"
+#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -148,7 +149,8 @@ Comparison compare(const input::Case& contact_case, const prediction::LocalGeome
   comparison.failure = failure;
   comparison.folder = reference::load_folder(contact_case.id, load_N);
   for (const PressureModel* model : all_pressure_models())
-    if (!model->card().finite_strain || contact_case.fem_finite)
+    if ((!model->card().finite_strain || contact_case.fem_finite) &&
+        (!is_for_stacks(*model) || is_stack(contact_case)))
       comparison.models.push_back(compare_model(*model, comparison));
   return comparison;
 }

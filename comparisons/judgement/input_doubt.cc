@@ -38,6 +38,8 @@ std::string cost_of_inputs(const ModelAnswer& answer, TorqueRule rule) {
   ModelAnswer stiffer = answer, thicker = answer, rougher = answer, heavier = answer;
   stiffer.problem.layer.youngs_modulus_Pa *= 2;
   thicker.problem.layer.thickness_m *= 1.1;
+  for (ElasticLayer& one : stiffer.problem.stack.sublayers) one.youngs_modulus_Pa *= 2;
+  for (ElasticLayer& one : thicker.problem.stack.sublayers) one.thickness_m *= 1.1;
   rougher.problem.load.friction_coefficient *= 1.1;
   rougher.shear_law.friction_coefficient *= 1.1;
   rougher.shear_law.shear_strength_Pa *= 1.1;

@@ -215,8 +215,8 @@ std::optional<NextStep> structural(const input::Case& contact_case, const ModelA
   if (contact_case.object_layer.thickness_m > 0)
     return NextStep{"there are two layers, and errors are known for one",
                     "leave out the stiffer one of [layer] and [object_layer]"};
-  if (is_stack(contact_case))
-    return NextStep{"the layer is a stack, and errors of models are known for one material",
+  if (is_stack(contact_case) && answer && !answer->model->knows_stacks())
+    return NextStep{"the layer is a stack, and this model knows one material",
                     compare + " presses the stack by finite elements"};
   if (!contact_case.fem_mesh.empty())
     return NextStep{"the layer is a mesh of its own, which no model knows",

@@ -163,8 +163,8 @@ void check_homogeneity(const input::Case& contact_case, Validity& validity) {
   validity.add(
       {"homogeneous", contrast, 1.1, true,
        "this model knows one homogeneous layer, here one with 1/E and nu averaged over the "
-       "sublayers' thickness: layer_fft and, for round contacts, layer_fredholm know up to "
-       "eight"});
+       "sublayers' thickness: stack_layer, layer_fft and, for round contacts, layer_fredholm "
+       "know up to eight"});
 }
 
 ContactProblem with_radii(ContactProblem problem, const RelativeRadii& radii) {

@@ -154,6 +154,20 @@ void predict_bonded(benchmark::State& state, double size, double poisson_ratio,
   }
 }
 
+/// Sublayers of equal thickness that become firmer towards the base.
+void predict_stack(benchmark::State& state, std::size_t count, double ratio) {
+  const PressureModel& model = *find_pressure_model("stack_layer");
+  ContactProblem problem = fingertip(ratio);
+  problem.stack.count = count;
+  for (std::size_t i = 0; i < count; ++i)
+    problem.stack.sublayers[i] = {problem.layer.thickness_m / double(count), 1e5 * (1 + double(i)),
+                                  0.45};
+  for ([[maybe_unused]] auto _ : state) {
+    benchmark::DoNotOptimize(problem);
+    benchmark::DoNotOptimize(model.predict(problem));
+  }
+}
+
 /// A noisy quadric of about 200 points, as a mesh around the contact point gives them.
 void fit(benchmark::State& state) {
   std::mt19937 random(1);
@@ -218,6 +232,13 @@ int main(int argc, char** argv) {
           predict_bonded(state, size, poisson_ratio, ratio);
         });
       }
+  for (const std::size_t count : {2, 5, 8})
+    for (const double ratio : {1.0, 4.0})
+      benchmark::RegisterBenchmark(
+          ("stack_layer/sublayers:" + std::to_string(count) +
+           "/ratio:" + std::to_string(int(ratio)))
+              .c_str(),
+          [=](benchmark::State& state) { predict_stack(state, count, ratio); });
   for (const double exponent : {0.5, 0.7})
     for (const double aspect : {1.0, 2.0, 1e4})
       benchmark::RegisterBenchmark(

@@ -11,6 +11,7 @@
 #include "comparisons/judgement/median.h"
 #include "softfinger/accuracy/error_bound.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -217,6 +218,7 @@ std::map<std::string, BoundTest> test_bounds_on_fingers(const AtlasFile& unseen)
   std::map<std::string, BoundTest> tests;
   for (const PressureModel* model : all_pressure_models()) {
     if (model->card().is_empirical) continue;  // it holds for the finger it was fitted to
+    if (is_for_stacks(*model)) continue;       // these fingers are of one material
     BoundTest test;
     std::array<std::vector<double>, kQuantities> ratios, all_errors;
     for (const AtlasRun& run : unseen.runs) {

@@ -17,6 +17,7 @@
 #include "comparisons/system/progress.h"
 #include "softfinger/geometry/relative_curvature.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -491,6 +492,8 @@ void judge_models(AtlasFile& atlas) {
   for (const PressureModel* model : all_pressure_models()) {
     // A measured law holds for the finger that it was fitted to, not for the atlas's layers.
     if (model->card().is_empirical) continue;
+    // Layers of the atlas are homogeneous.
+    if (is_for_stacks(*model)) continue;
     // The linear runs have no finite strain, and their contacts no radius: a model that corrects
     // for large strain cannot be compared with them.
     if (model->card().finite_strain && !finite_strain) continue;

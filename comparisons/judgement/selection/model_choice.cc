@@ -15,6 +15,7 @@
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/percent.h"
 #include "softfinger/input/constants.h"
+#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::judgement {
 namespace {
@@ -162,7 +163,8 @@ Choice choose_model(const input::Case& contact_case, const prediction::LocalGeom
                     double load_N, const SelectionOptions& options) {
   std::vector<Candidate> candidates;
   for (const PressureModel* model : all_pressure_models())
-    if (is_allowed(options, model->card().name))
+    if (is_allowed(options, model->card().name) &&
+        (!is_for_stacks(*model) || is_stack(contact_case) || !options.models.empty()))
       candidates.push_back(candidate_of(*model, contact_case, geometry, load_N, options));
   if (is_allowed(options, "fem"))
     candidates.push_back(finite_elements(contact_case, geometry, load_N, options.demand));

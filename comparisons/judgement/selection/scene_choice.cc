@@ -15,6 +15,7 @@
 #include "softfinger/friction/friction_shape.h"
 #include "softfinger/input/constants.h"
 #include "softfinger/input/errors.h"
+#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::judgement {
 
@@ -216,7 +217,8 @@ void decide(PairUse& use, double tolerance) {
   options.demand.quantities.fill(false);
   options.demand.quantities[std::size_t(Quantity::max_torque)] = true;
   for (const PressureModel* model : all_pressure_models())
-    if (model->card().hot_path && !model->card().is_empirical)
+    if (model->card().hot_path && !model->card().is_empirical &&
+        (!is_for_stacks(*model) || use.contact.problem.stack.count > 0))
       options.models.emplace_back(model->card().name);
   choice.pressure = choose_for_finger(use.contact.problem, options);
   choice.friction = sufficient_friction(choice.surface_change, tolerance);

@@ -61,7 +61,7 @@ json error_curves(const input::Case& contact_case, const prediction::GeometryRes
                                                        : json());
   }
   for (const std::string& name : judged_models(options))
-    models.push_back({{"model", name}, {"worst", worst[name]}});
+    if (worst.count(name) > 0) models.push_back({{"model", name}, {"worst", worst[name]}});
   return {{"load_N", loads}, {"models", models}};
 }
 
