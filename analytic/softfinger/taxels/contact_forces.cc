@@ -132,9 +132,7 @@ ForceCells cells_for(const TaxelGrid& grid, double half_x_m, double half_y_m) {
   constexpr int kAcross = 64, kMostTaxelsAcross = 256;
   const double longer_m = 2 * std::max(half_x_m, half_y_m);
   if (longer_m > kMostTaxelsAcross * grid.pitch_m)
-    throw InputError("taxels", "pitch_m", grid.pitch_m,
-                     "at least a 256th of the contact's length, " +
-                         internal::number_text(longer_m / kMostTaxelsAcross, 3));
+    throw InputError("taxels", "pitch_m", grid.pitch_m, "at least a 256th of the contact's length");
   ForceCells cells;
   cells.grid = grid;
   const auto per_taxel = [&](double half_m) {
