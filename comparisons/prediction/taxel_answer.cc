@@ -40,13 +40,13 @@ std::string signed_percent(double relative) {
 TaxelAnswer taxel_answer(taxels::TaxelReadings readings, const taxels::ForceCells& own) {
   TaxelAnswer answer;
   answer.normalisation = own.normalisation;
+  answer.own_arm_m = own.arm_m;
   // Far beside the contact an array at depth may feel less than rounding.
   constexpr double kFelt = 1e-9;
   if (readings.force_N.sum() > kFelt * readings.load_N) {
     const taxels::ArrayMoments seen = moments_of(readings);
     answer.errors = {seen.spread_x_m / own.spread_x_m - 1, seen.spread_y_m / own.spread_y_m - 1,
                      seen.arm_m / own.arm_m - 1};
-    answer.arm_m = seen.arm_m;
   }
   answer.readings = std::move(readings);
   answer.load_N = answer.readings.load_N;
@@ -103,26 +103,28 @@ nlohmann::json to_json(const TaxelAnswer& answer) {
   nlohmann::json x_m = nlohmann::json::array(), y_m = nlohmann::json::array();
   for (int column = 0; column < grid.columns; ++column) x_m.push_back(grid.x_m(column));
   for (int row = 0; row < grid.rows; ++row) y_m.push_back(grid.y_m(row));
-  nlohmann::json result = {{"columns", grid.columns},
-                           {"rows", grid.rows},
-                           {"pitch_m", grid.pitch_m},
-                           {"depth_m", readings.depth_m},
-                           {"x_m", x_m},
-                           {"y_m", y_m},
-                           {"force_N", table_json(readings.force_N)},
-                           {"pressure_Pa", table_json(readings.pressure_Pa())},
-                           {"shear_x_Pa", table_json(readings.shear_x_N / area_m2)},
-                           {"shear_y_Pa", table_json(readings.shear_y_N / area_m2)},
-                           {"displacement_m", table_json(readings.displacement_m)},
-                           {"sum_N", readings.force_N.sum()},
-                           {"outside_N", readings.outside_N()},
-                           {"normalisation", answer.normalisation},
-                           {"shown", nullptr}};
+  nlohmann::json result = {
+      {"columns", grid.columns},
+      {"rows", grid.rows},
+      {"pitch_m", grid.pitch_m},
+      {"depth_m", readings.depth_m},
+      {"x_m", x_m},
+      {"y_m", y_m},
+      {"force_N", table_json(readings.force_N)},
+      {"pressure_Pa", table_json(readings.pressure_Pa())},
+      {"shear_x_Pa", table_json(readings.shear_x_N / area_m2)},
+      {"shear_y_Pa", table_json(readings.shear_y_N / area_m2)},
+      {"displacement_m", table_json(readings.displacement_m)},
+      {"sum_N", readings.force_N.sum()},
+      {"outside_N", readings.outside_N()},
+      {"normalisation", answer.normalisation},
+      {"own", {{"a_m", answer.a_m}, {"b_m", answer.b_m}, {"torque_arm_m", answer.own_arm_m}}},
+      {"shown", nullptr}};
   if (answer.errors)
     result["shown"] = {
         {"a_m", answer.a_m * (1 + answer.errors->a)},
         {"b_m", answer.b_m * (1 + answer.errors->b)},
-        {"torque_arm_m", *answer.arm_m},
+        {"torque_arm_m", answer.own_arm_m * (1 + answer.errors->arm)},
         {"relative_error",
          {{"a", answer.errors->a}, {"b", answer.errors->b}, {"torque", answer.errors->arm}}}};
   return result;
@@ -149,6 +151,9 @@ std::string in_words(const TaxelAnswer& answer) {
   constexpr double kBeside = 1e-9;
   if (const double outside = readings.outside_N() / readings.load_N; outside > kBeside)
     text += fmt::format("    {} of the load is outside of the array\n", text::percent(outside));
+  else if (outside < -kBeside)
+    text += fmt::format("    {} more than the load: around the array the layer pulls at its core\n",
+                        text::percent(-outside));
   if (answer.errors)
     text += fmt::format(
         "    taken as point forces they show a {}, b {}, torque {} against the contact's own\n",

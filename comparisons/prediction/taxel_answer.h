@@ -22,7 +22,7 @@ struct TaxelRequest {
 struct TaxelAnswer {
   double load_N = 0;
   std::string model;
-  double a_m = 0, b_m = 0;  ///< the contact's own
+  double a_m = 0, b_m = 0;  ///< the contact's own, of a model as it presses without friction
   taxels::TaxelReadings readings;
   double normalisation = 1;  ///< load over the forces as they were integrated
 
@@ -34,7 +34,7 @@ struct TaxelAnswer {
   };
   /// None: no force reaches the array.
   std::optional<Errors> errors;
-  std::optional<double> arm_m;  ///< as the array shows it
+  double own_arm_m = 0;  ///< of the contact's own pressure
 };
 
 /// @param own  the forces that the readings are made of
