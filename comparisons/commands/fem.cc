@@ -11,10 +11,12 @@
 #include "comparisons/commands/fem_answer.h"
 #include "comparisons/commands/fem_pad.h"
 #include "comparisons/commands/number_option.h"
+#include "comparisons/commands/taxel_input.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/reference/fem_process.h"
 #include "comparisons/reference/full_reference.h"
+#include "comparisons/reference/taxel_reference.h"
 #include "comparisons/reference/theory_limits.h"
 #include "comparisons/system/files.h"
 #include "comparisons/system/program_paths.h"
@@ -27,6 +29,7 @@ namespace {
 
 struct FemOptions {
   CaseInput typed_case;
+  TaxelInput taxels;
   std::string output;
   std::string compliance;
   std::vector<double> twist_axis_mm;
@@ -107,6 +110,7 @@ reference::Idealisations idealisations_of(const FemOptions& options, const input
 
 /// Refuses what only curved fingers have.
 void refuse_for_pads(const FemOptions& options) {
+  options.taxels.refuse("for a contact of curved bodies: no array under a flat pad is computed");
   const auto refuse = [](bool is_given, const char* option, const char* allowed) {
     if (is_given) throw InputError("command line", option, "of a flat pad", allowed);
   };
@@ -153,6 +157,7 @@ reference::FemProblem problem_of(const FemOptions& options, const Plan& plan, st
       reference::fem_problem(contact_case, plan.geometries[load], load_N, plan.level);
   problem.approach_m = plan.approach_m();
   problem.friction = friction_request(options);
+  problem.lists_forces = !options.taxels.array.empty();
   if (!options.compliance.empty())
     problem.compliance_file = std::filesystem::absolute(options.compliance);
   if (!options.output.empty()) {
@@ -231,7 +236,15 @@ FemAnswerText answer_of(const Plan& plan, std::size_t load,
           plan.approach_m()};
 }
 
+/// Layers of the finger at one load, for readings at depth.
+LayerStack layers_of(const Plan& plan, std::size_t load) {
+  return prediction::contact_problem(plan.contact_case, plan.geometries[load], plan.loads_N[load])
+      .finger_layers();
+}
+
 void print(const FemOptions& options, const Plan& plan, const SolvedLoads& solved) {
+  const std::optional<prediction::TaxelRequest> taxels = options.taxels.request();
+  std::vector<prediction::TaxelAnswer> read_by_taxels;
   nlohmann::json results = nlohmann::json::array();
   std::string answers, evidence;
   for (std::size_t load = 0; load < plan.loads_N.size(); ++load) {
@@ -240,7 +253,13 @@ void print(const FemOptions& options, const Plan& plan, const SolvedLoads& solve
     answers += answer_line(answer) + "\n";
     evidence += "\n" + evidence_text(answer);
     results.push_back(to_json(answer));
+    if (!taxels) continue;
+    read_by_taxels.push_back(
+        reference::read_taxels(*solved.of_load[load], layers_of(plan, load), *taxels));
+    results.back()["taxels"] = to_json(read_by_taxels.back());
+    answers += in_words(read_by_taxels.back());
   }
+  if (taxels) options.taxels.write(read_by_taxels);
   if (options.json)
     system::write_to_stdout(
         text::printed(nlohmann::json({{"case", plan.contact_case.id}, {"results", results}})));
@@ -257,7 +276,9 @@ int run_fem(const FemOptions& options) {
     refuse_for_pads(options);
     return fem_pad({options.level, options.limit_surface, options.json, options.limits}, typed);
   }
+  const std::optional<prediction::TaxelRequest> taxels = options.taxels.request();
   const Plan plan = plan_loads(options, typed);
+  if (taxels) check_taxels(*taxels, plan.contact_case);
   system::fem_program();  // refuses before anything is written
   std::optional<system::OutputFolder> output;
   if (!options.output.empty()) output.emplace(options.output);
@@ -322,6 +343,7 @@ void add_fem(CLI::App& app, Action& action) {
       "--export-compliance", options->compliance,
       "file for the compliance of the contact surface (m/N; the first line says what "
       "follows); default: none");
+  add_taxels(*command, options->taxels, "the finite elements");
   command->add_flag("--linear", options->idealisations.linear,
                     "linear elasticity; default: finite strain where it changes a number by more "
                     "than the elements' stated error");
@@ -346,6 +368,7 @@ void add_fem(CLI::App& app, Action& action) {
       "  softfinger fem hertz_circle --level 1\n"
       "  softfinger fem pad_on_plane --level 1 --flat --linear\n"
       "  softfinger fem pad_on_sphere --level 1 --torsion --limit-surface 8\n"
+      "  softfinger fem pad_on_plane --level 1 --taxels 8,8\n"
       "  softfinger fem hertz_circle --level 1 --output hertz_vtu --json");
   command->callback([options, &action] { action = [options] { return run_fem(*options); }; });
 }

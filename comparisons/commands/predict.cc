@@ -14,6 +14,7 @@
 #include "comparisons/commands/mesh_points_text.h"
 #include "comparisons/commands/number_option.h"
 #include "comparisons/commands/predict_pad.h"
+#include "comparisons/commands/taxel_input.h"
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/input/layer_json.h"
 #include "comparisons/input/mesh_unit.h"
@@ -44,6 +45,7 @@ namespace {
 struct PredictOptions {
   CaseInput typed_case;
   DemandInput demand;
+  TaxelInput taxels;
   std::string models = "all", torque_rule = "exact", gap = "quadric", page, command_line, at_time;
   int limit_surface = 0;
   bool json = false, explain = false, write_page = false;
@@ -207,6 +209,7 @@ int run_predict_pad(const PredictOptions& options, const prediction::Demand& dem
     refuse("--gap", options.gap, "nothing for a flat pad: it has no gap to sample");
   if (options.write_page)
     refuse("--page", options.page, "for a case whose finger or object is a mesh");
+  options.taxels.refuse("for a contact of curved bodies: no array under a flat pad is computed");
   const auto& pair = std::get<input::PadPair>(contact_case.geometry);
   const auto models = prediction::pad_models_by_name(options.models, pair.curved.has_value());
   check_limit_surface(options, models.size() * contact_case.loads_N.size());
@@ -247,6 +250,18 @@ std::vector<Asked> asked_of(const PredictOptions& options, const input::Case& co
   return all;
 }
 
+/// Array that is asked for, where the case has a pressure for it.
+std::optional<prediction::TaxelRequest> taxels_of(const PredictOptions& options,
+                                                  const input::Case& contact_case) {
+  const auto request = options.taxels.request();
+  if (request && contact_case.times.are_given())
+    options.taxels.refuse("for a case without relaxation and history");
+  if (request && options.gap != "quadric")
+    throw InputError("command line", "--gap", options.gap, "\"quadric\" together with --taxels");
+  if (request) check_taxels(*request, contact_case);
+  return request;
+}
+
 /// Asks all models of one load or moment, in the order of `models`.
 struct AskedAnswers {
   std::vector<prediction::ModelAnswer> answers, elastic;
@@ -262,6 +277,7 @@ int run_predict(const PredictOptions& options) {
     return run_predict_pad(options, demand, contact_case);
   const auto models = chosen_models(options, contact_case);
   const std::vector<Asked> all_asked = asked_of(options, contact_case);
+  const std::optional<prediction::TaxelRequest> taxels = taxels_of(options, contact_case);
   check_limit_surface(options, models.size() * all_asked.size());
   const input::MeshBody* const mesh = shown_mesh(contact_case);
   if (options.write_page && options.page.empty())
@@ -285,6 +301,7 @@ int run_predict(const PredictOptions& options) {
         "not known of the relaxation, nor that rubber at large strain relaxes by other shares\n";
   std::vector<std::string> titles, blocks;
   std::vector<report::TimeSeries> series;
+  std::vector<prediction::TaxelAnswer> read_by_taxels;  ///< of the recommended models
   std::string advice;  ///< what to do where an answer is not usable
   for (const Asked& asked : all_asked) {
     const prediction::LocalGeometry geometry =
@@ -326,6 +343,12 @@ int run_predict(const PredictOptions& options) {
       nlohmann::json& result = results[results.size() - answers.size() + i];
       result["recommended"] = &answers[i] == first;
       result["input_doubt"] = to_json(all.doubts[i]);
+      if (!taxels || !answers[i].prediction.has_answer) continue;
+      // Text is about one model.
+      if (!options.json && &answers[i] != first) continue;
+      const prediction::TaxelAnswer read = read_taxels(answers[i], *taxels);
+      result["taxels"] = to_json(read);
+      if (&answers[i] == first) read_by_taxels.push_back(read);
     }
     // Under a prescribed approach the load is the model's.
     const double load_N = asked.moment && first ? first->problem.load.normal_force_N : asked.load_N;
@@ -340,6 +363,7 @@ int run_predict(const PredictOptions& options) {
       if (const std::string change = change_in_words(all.in_time[place], *asked.moment, rule);
           !change.empty())
         first_lines += "  " + change + "\n";
+    if (taxels && first) first_lines += in_words(read_by_taxels.back());
     // A load that is answered at once and at rest has one curve.
     if (options.write_page && asked.moment && first &&
         !(asked.moment->is_held && asked.moment->time_s == 0))
@@ -372,6 +396,7 @@ int run_predict(const PredictOptions& options) {
   } else if (options.write_page) {
     write_page(options, contact_case, resolver, *mesh);
   }
+  if (taxels) options.taxels.write(read_by_taxels);
   // Last, so that a refusal stays a single line.
   for (const std::string& line : prediction::power_law_remarks(contact_case)) remark(line);
   if (options.json) {
@@ -476,6 +501,7 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
           "sampled along the contact's normal (0.3 s per load; no error is known for it), all "
           "others the quadric")
       ->check(CLI::IsMember({"quadric", "sampled"}));
+  add_taxels(*command, options->taxels, "the recommended model");
   const CLI::Option* page = command->add_option(
       "--page", options->page,
       "HTML file to write, for a case with a mesh: the surface in 3-D with the region and the "
@@ -523,6 +549,7 @@ void add_predict(CLI::App& app, Action& action, const std::string& command_line)
       "  softfinger predict silicone_pad_2mm --limit-surface 9 --json\n"
       "  softfinger predict silicone_pad_2mm --explain\n"
       "  softfinger predict pad_on_plane --gap sampled\n"
+      "  softfinger predict silicone_pad_2mm --load 2 --taxels 8,8 --taxels-depth 2\n"
       "  softfinger predict pad_on_plane --page regions.html");
   command->callback([options, page, &action] {
     options->write_page = page->count() > 0;

@@ -11,11 +11,13 @@
 #include "comparisons/commands/case_input.h"
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/robot_input.h"
+#include "comparisons/commands/taxel_input.h"
 #include "comparisons/report/hold.h"
 #include "comparisons/report/motion_page.h"
 #include "comparisons/simulation/control.h"
 #include "comparisons/simulation/frame_json.h"
 #include "comparisons/simulation/overlapping_shapes.h"
+#include "comparisons/simulation/taxel_frames.h"
 #include "comparisons/simulation/trajectory_files.h"
 #include "comparisons/simulation/vtu_files.h"
 #include "comparisons/system/files.h"
@@ -33,6 +35,7 @@ struct SimulateOptions {
   std::string scene_file, output, record_lcp, command_line;
   std::vector<std::string> settings;
   RobotInput robot;
+  TaxelInput taxels;
   int vtu_every = -1;  ///< -1: as many as usual; 0: none
   bool json = false, control = false;
 };
@@ -139,6 +142,10 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
   write_trajectory(run.recording, folder);
   const int every = options.vtu_every >= 0 ? options.vtu_every : usual_vtu_interval(run.recording);
   if (every > 0) write_vtu(run.recording, folder, every);
+  if (const auto taxels = options.taxels.request())
+    system::write_file_atomically(
+        folder / "taxels.csv", taxels_csv(run.recording, scene, *taxels,
+                                          every > 0 ? every : usual_vtu_interval(run.recording)));
   report::MotionPageOptions page;
   page.scene_text = scene.text;
   page.version = system::program_version();
@@ -147,7 +154,7 @@ void write_results(const SimulateOptions& options, const input::Scene& scene,
   system::write_file_atomically(folder / "simulation.json", text::printed(to_json(run, scene)));
   remark("results in " + options.output +
          ": motion.html, trajectory.csv, contacts.csv, trajectory.json" +
-         (every > 0 ? ", motion.pvd" : ""));
+         (every > 0 ? ", motion.pvd" : "") + (options.taxels.array.empty() ? "" : ", taxels.csv"));
 }
 
 input::Scene read_scene(const SimulateOptions& options) {
@@ -166,6 +173,11 @@ int run_simulate(const SimulateOptions& options) {
     throw InputError("command line", "SCENE", "\"-\"",
                      "a file with --control, which takes its commands from standard input");
   const input::Scene scene = read_scene(options);
+  if (const auto taxels = options.taxels.request()) {
+    if (options.output.empty())
+      throw InputError("command line", "--taxels", options.taxels.array, "together with --output");
+    check_taxels(scene, *taxels);
+  }
   remark_all(scene.remarks, options.robot.verbose);
   remark_all(simulation::overlap_remarks(scene), options.robot.verbose);
   std::optional<system::OutputFolder> output;
@@ -232,6 +244,10 @@ void add_simulate(CLI::App& app, Action& action, const std::string& command_line
                    "VTU files of each N-th step, 1 to 1000000; 0: none; default: about 150 in all, "
                    "fewer where these would fill more than 64 MB")
       ->check(CLI::Range(0, 1000000));
+  add_taxel_array(*command, options->taxels,
+                  "with --output: the file taxels.csv, normal force, pressure, shear and "
+                  "displacement under each soft contact, at the steps of the VTU files; with a "
+                  "PITCH in mm;");
   command->add_option("--record-lcp", options->record_lcp,
                       "folder for the contact problem of each step, for softfinger lcp");
   command->add_flag(

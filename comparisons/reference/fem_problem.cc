@@ -184,6 +184,7 @@ json to_json(const FemProblem& problem) {
     object["fingertip"] = {{"pad", body_json(problem.bodies->pad)},
                            {"object", body_json(problem.bodies->object)}};
   if (problem.friction) object["friction"] = friction_json(*problem.friction);
+  if (problem.lists_forces) object["lists_forces"] = true;
   if (!problem.compliance_file.empty())
     object["compliance_file"] = problem.compliance_file.string();
   if (!problem.output_directory.empty())

@@ -67,6 +67,7 @@ struct FemProblem {
   };
   std::optional<Bodies> bodies;  ///< none: a flat layer under the quadric gap
   std::optional<FrictionRequest> friction;
+  bool lists_forces = false;  ///< the answer has the forces on the surface's nodes
   // Output paths, which decide nothing about the answer.
   std::filesystem::path output_directory, compliance_file;  ///< empty: none are written
 };

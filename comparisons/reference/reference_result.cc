@@ -151,6 +151,33 @@ std::optional<TwistedContact> read_twist(const json& document) {
   return twist;
 }
 
+std::optional<std::vector<NodalForce>> read_forces(const json& document) {
+  const auto entry = document.find("nodal_forces");
+  if (entry == document.end()) return std::nullopt;
+  const auto numbers = [&](const char* key) {
+    const auto values = entry->find(key);
+    if (values == entry->end() || !values->is_array()) throw Flaw{"nodal_forces without numbers"};
+    std::vector<double> result;
+    for (const json& value : *values) {
+      if (!value.is_number() || !std::isfinite(value.get<double>()))
+        throw Flaw{"a nodal force that is no number"};
+      result.push_back(value.get<double>());
+    }
+    return result;
+  };
+  const std::vector<double> x_m = numbers("x_m"), y_m = numbers("y_m"),
+                            force_N = numbers("force_N"), area_m2 = numbers("area_m2");
+  if (x_m.empty() || y_m.size() != x_m.size() || force_N.size() != x_m.size() ||
+      area_m2.size() != x_m.size())
+    throw Flaw{"nodal forces of unequal number"};
+  std::vector<NodalForce> forces;
+  for (std::size_t i = 0; i < x_m.size(); ++i) {
+    if (!(force_N[i] > 0 && area_m2[i] > 0)) throw Flaw{"a nodal force that pulls"};
+    forces.push_back({x_m[i], y_m[i], force_N[i], area_m2[i]});
+  }
+  return forces;
+}
+
 ReferenceResult read(const json& document) {
   if (!document.is_object()) throw Flaw{"no JSON object"};
   require_positive(document, "",
@@ -187,6 +214,7 @@ ReferenceResult read(const json& document) {
   for (const json& point : objects(document, "limit_surface"))
     result.limit_surface.push_back({number_or_nan(point, "fx_N"), number_or_nan(point, "fy_N"),
                                     number_or_nan(point, "torque_Nm")});
+  result.forces = read_forces(document);
   result.document = document;
   return result;
 }

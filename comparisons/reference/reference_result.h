@@ -44,6 +44,13 @@ struct TwistedContact {
   std::vector<TwistState> states;
 };
 
+/// Force of the contact on a node, seen along the load from the contact's centre, x along its long
+/// axis.
+struct NodalForce {
+  double x_m, y_m, force_N;
+  double area_m2;  ///< the node's share of the surface
+};
+
 /// Numbers of the contact when it is pressed without friction.
 struct FrictionlessReference {
   double a_m, b_m, indentation_m, area_projected_m2, max_torque_Nm;
@@ -73,6 +80,7 @@ struct ReferenceResult {
   std::optional<std::string> vtu_file;
   std::optional<TwistedContact> twist;
   std::vector<FrictionWrench> limit_surface;
+  std::optional<std::vector<NodalForce>> forces;  ///< where they were asked for
   /// The answer as the program wrote it. Files and pages also show entries that nothing here
   /// computes with.
   nlohmann::json document;

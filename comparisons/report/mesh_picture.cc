@@ -1,14 +1,13 @@
 #include "comparisons/report/mesh_picture.h"
 
-#include <png.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <stdexcept>
+
+#include "comparisons/report/png_file.h"
 
 namespace softfinger::report {
 namespace {
@@ -98,7 +97,7 @@ class Canvas {
   }
 
   std::string png() const {
-    std::vector<png_byte> bytes;
+    std::vector<std::array<std::uint8_t, 3>> pixels;
     for (int y = 0; y < height; y += kSamples)
       for (int x = 0; x < width; x += kSamples) {
         Array3d sum = Array3d::Zero();
@@ -106,19 +105,10 @@ class Canvas {
           for (int i = 0; i < kSamples; ++i)
             sum += colour_[std::size_t(y + j) * width + std::size_t(x + i)];
         const Array3d mean = sum / (kSamples * kSamples);
-        for (const double part : mean) bytes.push_back(png_byte(std::lround(255 * part)));
+        const auto byte = [&](int part) { return std::uint8_t(std::lround(255 * mean[part])); };
+        pixels.push_back({byte(0), byte(1), byte(2)});
       }
-    png_image image = {};
-    image.version = PNG_IMAGE_VERSION;
-    image.width = width / kSamples;
-    image.height = height / kSamples;
-    image.format = PNG_FORMAT_RGB;
-    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
-    std::string file(size, '\0');
-    if (!png_image_write_to_memory(&image, file.data(), &size, 0, bytes.data(), 0, nullptr))
-      throw std::runtime_error(std::string("libpng: ") + image.message);
-    file.resize(size);
-    return file;
+    return png_file(width / kSamples, height / kSamples, pixels);
   }
 
  private:

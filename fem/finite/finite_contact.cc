@@ -183,7 +183,8 @@ class FiniteContact : public ContactPhysics {
       const Eigen::Vector2d at =
           as_pressed().layer().position(i).head<2>() + task_.pressing.bent.centre;
       result.push_back(
-          {nodes[i].x, nodes[i].y, at.x(), at.y(), pressure[static_cast<Eigen::Index>(i)]});
+          {nodes[i].x, nodes[i].y, at.x(), at.y(), pressure[static_cast<Eigen::Index>(i)], at,
+           as_pressed().equilibrium().force[static_cast<Eigen::Index>(i)], seen_area(nodes[i])});
     }
     return result;
   }

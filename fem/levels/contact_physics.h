@@ -69,6 +69,10 @@ struct PressurePoint {
   double block_x = 0, block_y = 0;  ///< of the node in the undeformed block
   double x = 0, y = 0;              ///< where the pressure is reported
   double pressure = 0;
+  /// The node as it is seen along the load, with its force along the load, in units of E h², and
+  /// its share of the area, in h².
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  double force = 0, area = 0;
 };
 
 /// Files that were written; empty where none was asked for.

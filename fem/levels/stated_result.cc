@@ -1,5 +1,6 @@
 #include "fem/levels/stated_result.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -60,6 +61,37 @@ void state_errors(const SolvedLevels& levels, const ScanErrors& scan, const Erro
                          task.problem.mesh == nullptr, levels.misfit);
 }
 
+NodalForces forces_of(const std::vector<PressurePoint>& nodes, const Result& result,
+                      const ContactTask& task) {
+  const double h = task.pressing.thickness_m;
+  const double unit_of_force_N = task.problem.contact.layer.youngs_modulus_Pa * h * h;
+  const Eigen::Matrix2d to_axes = Eigen::Rotation2Dd(-result.finest.turn_rad).toRotationMatrix();
+  // The pressure's centre lies on the mirror planes.
+  Eigen::Vector2d centre = Eigen::Vector2d::Zero();
+  double sum = 0;
+  for (const PressurePoint& node : nodes) {
+    centre += node.force * node.place;
+    sum += node.force;
+  }
+  centre = result.planes.middle(centre / sum);
+  NodalForces forces;
+  for (const PressurePoint& node : nodes) {
+    if (!(node.force > 0)) continue;
+    const Eigen::Vector2d from_centre = node.place - centre;
+    for (const double x_sign : {1., -1.})
+      for (const double y_sign : {1., -1.}) {
+        if ((x_sign < 0 && !result.planes.x) || (y_sign < 0 && !result.planes.y)) continue;
+        const Eigen::Vector2d at =
+            to_axes * Eigen::Vector2d(x_sign * from_centre.x(), y_sign * from_centre.y());
+        forces.x_m.push_back(h * at.x());
+        forces.y_m.push_back(h * at.y());
+        forces.force_N.push_back(unit_of_force_N * node.force);
+        forces.area_m2.push_back(h * h * node.area);
+      }
+  }
+  return forces;
+}
+
 void describe(ContactPhysics& physics, const ContactTask& task, Result& result) {
   result.planes = task.pressing.planes();
   for (std::size_t c = 0; c < 3; ++c)
@@ -73,6 +105,7 @@ void describe(ContactPhysics& physics, const ContactTask& task, Result& result) 
   const std::vector<PressurePoint> pressures = physics.pressures();
   result.along_x = profile_of(pressures, task.problem.contact.layer, true);
   result.along_y = profile_of(pressures, task.problem.contact.layer, false);
+  if (task.problem.lists_forces) result.forces = forces_of(pressures, result, task);
   const OutputFiles files = physics.write_files();
   result.vtu_file = files.vtu;
   result.pvd_file = files.pvd;

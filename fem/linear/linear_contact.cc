@@ -208,7 +208,9 @@ class LinearContact : public ContactPhysics {
     std::vector<PressurePoint> result;
     for (std::size_t i = 0; i < nodes.size(); ++i)
       result.push_back({nodes[i].x, nodes[i].y, nodes[i].x, nodes[i].y,
-                        pressed_.pressure(static_cast<Eigen::Index>(i))});
+                        pressed_.pressure(static_cast<Eigen::Index>(i)),
+                        nodes[i].position.head<2>() + task_.pressing.bent.centre,
+                        pressed_.contact.force[static_cast<Eigen::Index>(i)], seen_area(nodes[i])});
     return result;
   }
 

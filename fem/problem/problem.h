@@ -78,6 +78,7 @@ struct Problem {
     return law;
   }
 
+  bool lists_forces = false;     ///< asks for `Result::forces`
   std::string output_directory;  ///< for VTU; empty: none
   std::string compliance_file;   ///< for the surface's compliance (write_compliance.h); empty: none
 };

@@ -99,6 +99,13 @@ struct LimitPoint {
   std::vector<FrictionIncrement> path;  ///< partial slip, when asked for
 };
 
+/// Forces of the contact on the nodes of the surface that touch, in all mirror images: seen along
+/// the load, from the contact's centre, x along its long axis. They add up to the load.
+struct NodalForces {
+  std::vector<double> x_m, y_m, force_N;
+  std::vector<double> area_m2;  ///< share of the surface before it is deformed, seen along the load
+};
+
 struct Profile {
   std::vector<double> position_m, pressure_Pa;
 };
@@ -126,7 +133,8 @@ struct Result {
   std::array<double, 2> friction_centre_m{};
   double pressure_exponent =
       0;  ///< n of p0 (1 - r²)^n with the same load, area and peak: pi a b p0 / P - 1
-  Profile along_x, along_y;  ///< nodal pressure from the centre outwards
+  std::optional<NodalForces> forces;  ///< where the problem asks for them
+  Profile along_x, along_y;           ///< nodal pressure from the centre outwards
   std::optional<Torsion> torsion;
   std::vector<LimitPoint> limit_surface;
   /// Stated error of the limit surface's points, relative to the largest force and torque.

@@ -251,6 +251,7 @@ Problem read_problem(const json& input, const MeshReaders& readers) {
     require_thickness(path, *problem.mesh, problem.contact.layer.thickness_m);
   }
   if (const auto friction = root.find("friction")) problem.friction = read_friction(*friction);
+  if (const auto forces = root.find("lists_forces")) problem.lists_forces = forces->flag();
   if (const auto file = root.find("compliance_file")) problem.compliance_file = file->text();
   if (const auto folder = root.find("output_directory")) problem.output_directory = folder->text();
   return problem;

@@ -167,6 +167,11 @@ json to_json(const Problem& problem, const Result& result) {
     output["geometry_error"] =
         result.geometry_error ? relative(*result.geometry_error) : json(nullptr);
   }
+  if (const auto& forces = result.forces)
+    output["nodal_forces"] = {{"x_m", forces->x_m},
+                              {"y_m", forces->y_m},
+                              {"force_N", forces->force_N},
+                              {"area_m2", forces->area_m2}};
   if (outlines.size() > 1) output["outlines_m"] = std::move(outlines);
   add_friction(problem, result, output);
   return output;

@@ -97,7 +97,7 @@ TEST(ReadProblem, KeysThatMayBeMissingMayBeNull) {
   json input = problem();
   for (const char* key :
        {"name", "axis_rad", "sphere_radius_m", "kinematics", "level", "fingertip", "friction",
-        "approach_m", "compliance_file", "output_directory", "layer_mesh"})
+        "approach_m", "compliance_file", "output_directory", "layer_mesh", "lists_forces"})
     input[key] = nullptr;
   const Problem read = read_problem(input, no_files());
   EXPECT_EQ(read.level, 2);

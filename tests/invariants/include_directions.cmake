@@ -3,7 +3,7 @@
 # With -D SELF_TEST=ON -D SCRATCH_DIRECTORY=<dir> it checks itself on a small tree with broken arrows.
 #
 # The arrows go one way, towards what is depended on:
-#   input <- math <- friction, layer <- fft <- pressure <- calibration, pads, time;  input, math <- geometry;
+#   input <- math <- friction, layer <- fft <- pressure <- calibration, pads, taxels, time;  input, math <- geometry;
 #   all of these <- dynamics, and in it:  contacts <- facets <- exact <- step;  bodies <- step
 #   accuracy knows the pressure models and the layer
 #   input <- meshes <- fem, and in it:
@@ -40,6 +40,8 @@ may_include(analytic/softfinger/pressure ${std} ${eigen} ${input}
             "^softfinger/(math|friction|layer|fft|pressure)/")
 may_include(analytic/softfinger/pads ${std} ${eigen} ${input}
             "^softfinger/(math|friction|layer|fft|pressure|pads)/")
+may_include(analytic/softfinger/taxels ${std} ${eigen} ${input}
+            "^softfinger/(math|layer|fft|pressure|taxels)/")
 may_include(analytic/softfinger/time ${std} ${eigen} ${input} "^softfinger/(math|layer|pressure|time)/")
 may_include(analytic/softfinger/calibration ${std} ${eigen} "^unsupported/Eigen/" ${input}
             "^softfinger/(math|friction|layer|fft|pressure|calibration)/")
@@ -169,6 +171,7 @@ if(SELF_TEST)
       "analytic/softfinger/pressure/models/f.cc|nlohmann/json.hpp"
       "analytic/softfinger/pressure/g.cc|softfinger/pads/g.h"
       "analytic/softfinger/pressure/g.h|softfinger/time/g.h"
+      "analytic/softfinger/taxels/g.cc|softfinger/pads/g.h"
       "analytic/softfinger/dynamics/facets/f.cc|softfinger/dynamics/exact/f.h"
       "analytic/softfinger/dynamics/contacts/f.h|softfinger/dynamics/facets/f.h"
       "analytic/softfinger/dynamics/bodies/f.h|softfinger/dynamics/step/f.h"

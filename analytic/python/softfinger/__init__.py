@@ -42,6 +42,7 @@ from ._simulation import (
     StepError,
     eccentricity_law,
 )
+from ._taxels import TaxelReadings, taxels
 
 __all__ = [
     "Body",
@@ -82,6 +83,7 @@ __all__ = [
     "SphereOnPlane",
     "SphereOnSphere",
     "StepError",
+    "TaxelReadings",
     "calibrate",
     "checks",
     "eccentricity_law",
@@ -95,6 +97,7 @@ __all__ = [
     "pressure_Pa",
     "select",
     "simulate",
+    "taxels",
     "weld",
 ]
 

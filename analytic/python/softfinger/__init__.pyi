@@ -505,6 +505,25 @@ class SphereOnSphere:
 class StepError(RuntimeError):
     ...
 
+class TaxelReadings:
+    model: str
+    x_m: numpy.ndarray
+    y_m: numpy.ndarray
+    pitch_m: float
+    depth_m: float
+    force_N: numpy.ndarray
+    pressure_Pa: numpy.ndarray
+    shear_x_Pa: numpy.ndarray
+    shear_y_Pa: numpy.ndarray
+    displacement_m: numpy.ndarray
+    load_N: float
+    outside_N: float
+    shown_a_m: float
+    shown_b_m: float
+    shown_torque_arm_m: float
+    def __init__(self, model: str, x_m: numpy.ndarray, y_m: numpy.ndarray, pitch_m: float, depth_m: float, force_N: numpy.ndarray, pressure_Pa: numpy.ndarray, shear_x_Pa: numpy.ndarray, shear_y_Pa: numpy.ndarray, displacement_m: numpy.ndarray, load_N: float, outside_N: float, shown_a_m: float, shown_b_m: float, shown_torque_arm_m: float) -> None: ...
+    def arrays(self) -> dict[str, numpy.ndarray]: ...
+
 def calibrate(*, load_N: ArrayLike, radius_major_m: float, radius_minor_m: float, youngs_modulus_Pa: float, thickness_m: float, poisson_ratio: float, a_m: Optional[ArrayLike] = ..., a_m_std: Optional[ArrayLike] = ..., b_m: Optional[ArrayLike] = ..., b_m_std: Optional[ArrayLike] = ..., area_m2: Optional[ArrayLike] = ..., area_m2_std: Optional[ArrayLike] = ..., indentation_m: Optional[ArrayLike] = ..., indentation_m_std: Optional[ArrayLike] = ..., max_torque_Nm: Optional[ArrayLike] = ..., max_torque_Nm_std: Optional[ArrayLike] = ..., tangential_force_N: Optional[ArrayLike] = ..., tangential_force_N_std: Optional[ArrayLike] = ..., friction_coefficient: Optional[float] = ..., shear_strength_Pa: Optional[float] = ..., shear_law: str = ..., pressing: Optional[str] = ..., finger_xx_per_m: float = ..., finger_yy_per_m: float = ..., finger_xy_per_m: float = ..., winkler_modulus: str = ..., fit: Union[None, str, Sequence[str]] = ..., fixed: Optional[Mapping[str, float]] = ..., model: Optional[str] = ...) -> Calibration: ...
 
 def checks(*, normal_force_N: ArrayLike, youngs_modulus_Pa: ArrayLike, poisson_ratio: ArrayLike, thickness_m: ArrayLike, radius_major_m: ArrayLike, radius_minor_m: ArrayLike, friction_coefficient: ArrayLike, finger_xx_per_m: ArrayLike = ..., finger_yy_per_m: ArrayLike = ..., finger_xy_per_m: ArrayLike = ..., object_thickness_m: ArrayLike = ..., object_youngs_modulus_Pa: ArrayLike = ..., object_poisson_ratio: ArrayLike = ..., pressing: Optional[str] = ..., is_object_spherical: bool = ..., winkler_modulus: str = ..., power_law_coefficient: float = ..., power_law_exponent: float = ..., power_law_pressure_exponent: float = ..., model: Optional[str] = ...) -> tuple[Check, ...]: ...
@@ -530,5 +549,7 @@ def pressure_Pa(*, normal_force_N: ArrayLike, youngs_modulus_Pa: ArrayLike, pois
 def select(*, normal_force_N: ArrayLike, youngs_modulus_Pa: ArrayLike, poisson_ratio: ArrayLike, thickness_m: ArrayLike, radius_major_m: ArrayLike, radius_minor_m: ArrayLike, friction_coefficient: ArrayLike, finger_xx_per_m: ArrayLike = ..., finger_yy_per_m: ArrayLike = ..., finger_xy_per_m: ArrayLike = ..., object_thickness_m: ArrayLike = ..., object_youngs_modulus_Pa: ArrayLike = ..., object_poisson_ratio: ArrayLike = ..., pressing: Optional[str] = ..., is_object_spherical: bool = ..., winkler_modulus: str = ..., power_law_coefficient: float = ..., power_law_exponent: float = ..., power_law_pressure_exponent: float = ..., tolerance: float = ..., models: Optional[Sequence[str]] = ..., quantities: Sequence[str] = ...) -> Choice: ...
 
 def simulate(scene: Union[str, os.PathLike, dict]) -> Scene: ...
+
+def taxels(*, normal_force_N: ArrayLike, youngs_modulus_Pa: ArrayLike, poisson_ratio: ArrayLike, thickness_m: ArrayLike, radius_major_m: ArrayLike, radius_minor_m: ArrayLike, friction_coefficient: ArrayLike, finger_xx_per_m: ArrayLike = ..., finger_yy_per_m: ArrayLike = ..., finger_xy_per_m: ArrayLike = ..., object_thickness_m: ArrayLike = ..., object_youngs_modulus_Pa: ArrayLike = ..., object_poisson_ratio: ArrayLike = ..., is_object_spherical: bool = ..., winkler_modulus: str = ..., power_law_coefficient: float = ..., power_law_exponent: float = ..., power_law_pressure_exponent: float = ..., columns: int, rows: int, pitch_m: Optional[float] = ..., depth_m: float = ..., model: Optional[str] = ...) -> TaxelReadings: ...
 
 def weld(corners_m: ArrayLike) -> tuple[numpy.ndarray, numpy.ndarray]: ...

@@ -4,46 +4,12 @@
 #include <cmath>
 
 #include "softfinger/input/constants.h"
+#include "softfinger/math/bessel_j0.h"
+#include "softfinger/math/even_table.h"
 #include "softfinger/math/gauss_legendre.h"
 
 namespace softfinger::fft {
 namespace {
-
-/// J0(z), z >= 0, absolute error below 1e-10: power series or Hankel's asymptotic series
-/// (Abramowitz and Stegun 9.1.10, 9.2.5). The standard library's is ten times slower.
-double bessel_j0(double z) {
-  if (z < 12.5) {
-    const double q = 0.25 * z * z;
-    double term = 1, sum = 1;
-    for (int n = 1; n < 60 && std::abs(term) > 1e-13; ++n) {
-      term *= -q / (n * n);
-      sum += term;
-    }
-    return sum;
-  }
-  double P = 1, Q = 0, term = 1;
-  for (int n = 1; n <= 24; ++n) {
-    const double next = term * (2 * n - 1) * (2 * n - 1) / (8 * n * z);
-    if (next > term || next < 1e-13) break;
-    term = next;
-    // Signs of the series in (P, Q): - Q, - P, + Q, + P, ...
-    if (n % 2 == 1)
-      Q += n % 4 == 1 ? -term : term;
-    else
-      P += n % 4 == 2 ? -term : term;
-  }
-  const double phase = z - kPi / 4;
-  return std::sqrt(2 / (kPi * z)) * (P * std::cos(phase) - Q * std::sin(phase));
-}
-
-/// F with d^4 F / dx² dy² = 1/r, even in x and y: its second differences in both directions are the
-/// integral of 1/r over two equal cells. Extended precision, since the differences cancel.
-long double fourfold_integral(long double x, long double y) {
-  const long double r = std::sqrt(x * x + y * y);
-  const long double first = x > 0 ? x * x * y * std::asinh(y / x) / 2 : 0;
-  const long double second = y > 0 ? y * y * x * std::asinh(x / y) / 2 : 0;
-  return first + second - r * r * r / 6;
-}
 
 /// Mean over two cells of 1/r by moments of their distance's distribution: relative error of order
 /// (size/r)^6.
@@ -81,6 +47,13 @@ int lattice_steps(double size, double thickness) {
 
 }  // namespace
 
+long double fourfold_integral(long double x, long double y) {
+  const long double r = std::sqrt(x * x + y * y);
+  const long double first = x > 0 ? x * x * y * std::asinh(y / x) / 2 : 0;
+  const long double second = y > 0 ? y * y * x * std::asinh(x / y) / 2 : 0;
+  return first + second - r * r * r / 6;
+}
+
 LayerStiffening::LayerStiffening(const StackKernel& kernel, double largest)
     : depth_(kernel.depth()) {
   constexpr double kBand = 5;  // of distances that share one rule
@@ -114,20 +87,9 @@ LayerStiffening::LayerStiffening(const StackKernel& kernel, double largest)
     far_ = tabulate(kStep * depth_, std::min(largest, kReach * depth_));
 }
 
-/// Polynomial through the six nearest points; the function is even.
-double LayerStiffening::at_table(const std::vector<double>& table, double u) const {
-  const int i = static_cast<int>(u);
-  const double z = u - i;
-  const auto at = [&](int j) { return table[static_cast<std::size_t>(std::abs(i + j))]; };
-  const double m2 = z + 2, m1 = z + 1, p1 = z - 1, p2 = z - 2, p3 = z - 3;
-  return -m1 * z * p1 * p2 * p3 / 120 * at(-2) + m2 * z * p1 * p2 * p3 / 24 * at(-1) -
-         m2 * m1 * p1 * p2 * p3 / 12 * at(0) + m2 * m1 * z * p2 * p3 / 12 * at(1) -
-         m2 * m1 * z * p1 * p3 / 24 * at(2) + m2 * m1 * z * p1 * p2 / 120 * at(3);
-}
-
 double LayerStiffening::operator()(double t) const {
   if (t >= reach()) return 1 / t;
-  return t < kReach ? at_table(near_, t / kStep) : at_table(far_, t / (kStep * depth_));
+  return t < kReach ? at_even_table(near_, t / kStep) : at_even_table(far_, t / (kStep * depth_));
 }
 
 KernelQuadrant influence_of_cells(int rows, int columns, double size_x, double size_y,

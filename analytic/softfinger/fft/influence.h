@@ -27,11 +27,14 @@ class LayerStiffening {
 
  private:
   static constexpr double kReach = 30, kStep = 0.1;
-  double at_table(const std::vector<double>& table, double steps) const;
 
   double depth_;                    ///< of all sublayers, over h
   std::vector<double> near_, far_;  ///< by steps of h up to kReach, and of the depth beyond
 };
+
+/// F with d^4 F / dx² dy² = 1/r, even in x and y: its second differences in both directions are the
+/// integral of 1/r over two equal cells. Extended precision, since the differences cancel.
+long double fourfold_integral(long double x, long double y);
 
 /// Displacement of the surface of a half-space or a bonded layer, averaged over one rectangular
 /// cell, under a pressure that is one on another cell and zero elsewhere (what a Galerkin method

@@ -1,0 +1,242 @@
+#include "softfinger/taxels/corner_response.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "softfinger/fft/influence.h"
+#include "softfinger/input/constants.h"
+#include "softfinger/math/bessel_j0.h"
+#include "softfinger/math/even_table.h"
+#include "softfinger/math/gauss_legendre.h"
+#include "softfinger/taxels/layer_stress.h"
+
+namespace softfinger::taxels {
+namespace {
+
+/// Beyond this distance, in thicknesses, the layer's stress has decayed like exp(-0.739 r/h) (the
+/// slowest pole of the kernel, at nu = 1/2) to 1e-13 of what it is below the force.
+constexpr double kStressReach = 40;
+/// Steps of the tables, in thicknesses. The functions have singularities at a distance of at least
+/// h from the real axis near r = 0, and none near it farther out.
+constexpr double kNearReach = 6, kNearStep = 0.05, kFarStep = 0.25;
+/// Beyond this k h the excess of a layer's stress at its base, about x² exp(-x), is below 1e-16.
+constexpr double kLargestStressWaveNumber = 45;
+
+/// An even function of the distance r/h, on two tables.
+struct RadialTable {
+  std::vector<double> near, far;
+  double operator()(double r) const {
+    return r < kNearReach ? at_even_table(near, r / kNearStep) : at_even_table(far, r / kFarStep);
+  }
+};
+
+/// Samples both tables.
+/// @param beyond  samples past the reach: 3 for interpolation, more if others read past it
+template <class Function>
+RadialTable tabulate_radially(int beyond, const Function& f) {
+  RadialTable table;
+  const int near = int(kNearReach / kNearStep) + 3, far = int(kStressReach / kFarStep) + beyond;
+  for (int i = 0; i <= near; ++i) table.near.push_back(f(i * kNearStep));
+  for (int i = 0; i <= far; ++i) table.far.push_back(f(i * kFarStep));
+  return table;
+}
+
+/// For a field f(r): m(r) = 1/r² int_0^r f(s) s ds, even and as smooth as f. The integral of f over
+/// the rectangle from 0 to (X, Y), cut into two triangles, is then
+///   X int_0^Y m(r) dy + Y int_0^X m(r) dx.
+template <class Function>
+RadialTable mean_within(const Function& f) {
+  static const QuadratureRule rule = gauss_legendre(8);
+  double reached = 0, moment = 0;
+  return tabulate_radially(3, [&](double r) {
+    // The second table starts at 0 again.
+    if (r < reached) reached = moment = 0;
+    const int panels = std::max(1, int(std::ceil((r - reached) / kFarStep)));
+    const double width = (r - reached) / panels;
+    for (int panel = 0; panel < panels; ++panel)
+      for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
+        const double s = reached + width * (panel + rule.nodes[q]);
+        moment += width * rule.weights[q] * f(s) * s;
+      }
+    reached = r;
+    return r > 0 ? moment / (r * r) : 0.5 * f(0);
+  });
+}
+
+/// The layer's excess over the half-space of a point force's stress, h = 1 and the force 1:
+///   normal stress     1/(2 pi) int_0^inf (g - g_half-space) J0(k r) k dk,
+///   shear potential   1/(2 pi) int_0^inf (t - t_half-space) J0(k r) dk,
+/// the shear traction being minus the gradient of the potential.
+struct ExcessFields {
+  RadialTable normal, potential;
+
+  explicit ExcessFields(const LayerStress& stress) {
+    QuadratureRule rule;
+    std::vector<double> of_potential;
+    double rule_end = -1;
+    const auto transform = [&](double r) {
+      constexpr double kBand = 5;  // of distances that share one rule
+      if (r > rule_end || r < rule_end - kBand) {
+        rule_end = kBand * (1 + std::floor(r / kBand));
+        // About one and a half periods of J0 per panel of 16 points, and the kernel resolved.
+        rule = composite_gauss_legendre(kLargestStressWaveNumber, std::min(1.5, 10 / rule_end));
+        of_potential.clear();
+        for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+          const LayerStress::Wave excess = stress.excess(rule.nodes[i]);
+          of_potential.push_back(rule.weights[i] * excess.shear / (2 * kPi));
+          rule.weights[i] *= excess.normal * rule.nodes[i] / (2 * kPi);
+        }
+      }
+      LayerStress::Wave sum;
+      for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+        const double bessel = bessel_j0(rule.nodes[i] * r);
+        sum.normal += rule.weights[i] * bessel;
+        sum.shear += of_potential[std::size_t(i)] * bessel;
+      }
+      return sum;
+    };
+    std::vector<double>* shear = &potential.near;
+    double last = -1;
+    normal = tabulate_radially(8, [&](double r) {
+      if (r < last) shear = &potential.far;
+      last = r;
+      const LayerStress::Wave both = transform(r);
+      shear->push_back(both.shear);
+      return both.normal;
+    });
+  }
+};
+
+/// int_0^Y f(sqrt(X² + y²)) dy for all offsets of the lattice, which are in thicknesses here.
+/// @param along_y  else the integral goes along x: int_0^X f dx
+template <class Function>
+CornerTable line_integrals(const OffsetLattice& lattice, double step_x, double step_y, bool along_y,
+                           const Function& f) {
+  static const QuadratureRule rule = gauss_legendre(4);
+  constexpr double kLongestPanel = 0.5;  // of a smooth function on the scale of h
+  CornerTable table(lattice.count_x, lattice.count_y);
+  const int across = along_y ? lattice.count_x : lattice.count_y;
+  const int along = along_y ? lattice.count_y : lattice.count_x;
+  const double across_step = along_y ? step_x : step_y, step = along_y ? step_y : step_x;
+  const int panels = std::max(1, int(std::ceil(step / kLongestPanel)));
+  for (int i = 0; i < across; ++i) {
+    const double fixed = (i + 0.5) * across_step;
+    double sum = 0, reached = 0;
+    for (int j = 0; j < along; ++j) {
+      const double width = ((j + 0.5) * step - reached) / panels;
+      for (int panel = 0; panel < panels; ++panel)
+        for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
+          const double at = reached + width * (panel + rule.nodes[q]);
+          sum += width * rule.weights[q] * f(std::sqrt(fixed * fixed + at * at));
+        }
+      reached = (j + 0.5) * step;
+      (along_y ? table(i, j) : table(j, i)) = sum;
+    }
+  }
+  return table;
+}
+
+/// int_0^X int_0^Y of the field whose `mean_within` is m, in h².
+template <class Function>
+CornerTable area_integrals(const OffsetLattice& lattice, double step_x, double step_y,
+                           const Function& m) {
+  CornerTable table = line_integrals(lattice, step_x, step_y, true, m);
+  const CornerTable other = line_integrals(lattice, step_x, step_y, false, m);
+  for (int i = 0; i < lattice.count_x; ++i)
+    for (int j = 0; j < lattice.count_y; ++j)
+      table(i, j) = (i + 0.5) * step_x * table(i, j) + (j + 0.5) * step_y * other(i, j);
+  return table;
+}
+
+/// Mean over a cell around each offset, of a smooth response that is odd in X and in Y: a 24th of
+/// the second differences more.
+/// @param wider  the response with one more offset along each axis
+CornerTable mean_over_cells(const CornerTable& wider, const OffsetLattice& lattice) {
+  CornerTable mean(lattice.count_x, lattice.count_y);
+  for (int i = 0; i < lattice.count_x; ++i)
+    for (int j = 0; j < lattice.count_y; ++j) {
+      const double here = wider(i, j), left = i > 0 ? wider(i - 1, j) : -here,
+                   below = j > 0 ? wider(i, j - 1) : -here;
+      mean(i, j) = here + (wider(i + 1, j) + left + wider(i, j + 1) + below - 4 * here) / 24;
+    }
+  return mean;
+}
+
+}  // namespace
+
+StressCorners stress_corners(const ElasticLayer& layer, double depth_m,
+                             const OffsetLattice& lattice) {
+  const double h = layer.thickness_m, z = depth_m / h;
+  const double step_x = lattice.step_x_m / h, step_y = lattice.step_y_m / h;
+  const ExcessFields excess(LayerStress(layer.poisson_ratio, z));
+  const RadialTable mean = mean_within(excess.normal);
+  // Beyond the reach nothing is left of the sum, so that the excess is the half-space's, negative.
+  StressCorners corners;
+  corners.normal = area_integrals(lattice, step_x, step_y, [&](double r) {
+    if (r < kStressReach) return mean(r);
+    const double R = std::sqrt(r * r + z * z);
+    return z * z * z / (2 * kPi * R * R * R * r * r);
+  });
+  const auto potential = [&](double r) {
+    if (r < kStressReach) return excess.potential(r);
+    const double R = std::sqrt(r * r + z * z);
+    return -z * z / (2 * kPi * R * R * R);
+  };
+  corners.shear_x = -line_integrals(lattice, step_x, step_y, true, potential);
+  corners.shear_y = -line_integrals(lattice, step_x, step_y, false, potential);
+  for (int i = 0; i < lattice.count_x; ++i)
+    for (int j = 0; j < lattice.count_y; ++j) {
+      const double X = (i + 0.5) * step_x, Y = (j + 0.5) * step_y;
+      const double to_x = X * X + z * z, to_y = Y * Y + z * z, R = std::sqrt(to_x + Y * Y);
+      corners.normal(i, j) +=
+          (std::atan2(X * Y, z * R) + X * Y * z * (1 / to_x + 1 / to_y) / R) / (2 * kPi);
+      corners.shear_x(i, j) -= z * z * Y / (2 * kPi * to_x * R);
+      corners.shear_y(i, j) -= z * z * X / (2 * kPi * to_y * R);
+    }
+  return corners;
+}
+
+CornerTable displacement_corners(const LayerStack& layer, const OffsetLattice& lattice) {
+  const StackKernel kernel(layer);
+  const double h = kernel.thickness_m();
+  const double step_x = lattice.step_x_m / h, step_y = lattice.step_y_m / h;
+  const double largest = std::hypot(lattice.count_x * step_x, lattice.count_y * step_y);
+  // The moments of S up to its reach on a regular table, for which S is tabulated a little farther;
+  // beyond the reach S = 1/t.
+  constexpr double kStep = 0.1;
+  const fft::LayerStiffening stiffening(kernel, largest + 10 * kStep);
+  const double reach = std::min(largest + 6 * kStep, stiffening.reach());
+  const QuadratureRule rule = gauss_legendre(4);
+  std::vector<double> mean{0.5 * stiffening(0)};
+  double moment = 0;
+  for (int i = 1; i <= int(reach / kStep) + 4; ++i) {
+    for (Eigen::Index q = 0; q < rule.nodes.size(); ++q) {
+      const double s = (i - 1 + rule.nodes[q]) * kStep;
+      moment += kStep * rule.weights[q] * (s < reach ? stiffening(s) : 1 / s) * s;
+    }
+    mean.push_back(moment / (i * kStep * i * kStep));
+  }
+  const double last = double(mean.size() - 4) * kStep;
+  const double at_last = mean[mean.size() - 4] * last * last;
+  OffsetLattice wider = lattice;
+  ++wider.count_x;
+  ++wider.count_y;
+  const CornerTable smooth = area_integrals(wider, step_x, step_y, [&](double r) {
+    return r < last ? at_even_table(mean, r / kStep) : (at_last + r - last) / (r * r);
+  });
+  CornerTable table = -mean_over_cells(smooth, lattice);
+  Eigen::Array<long double, Eigen::Dynamic, Eigen::Dynamic> F(lattice.count_x + 1,
+                                                              lattice.count_y + 1);
+  for (int i = 0; i < F.rows(); ++i)
+    for (int j = 0; j < F.cols(); ++j)
+      F(i, j) = fft::fourfold_integral(static_cast<long double>(i) * step_x,
+                                       static_cast<long double>(j) * step_y);
+  for (int i = 0; i < lattice.count_x; ++i)
+    for (int j = 0; j < lattice.count_y; ++j)
+      table(i, j) += static_cast<double>(F(i + 1, j + 1) - F(i, j + 1) - F(i + 1, j) + F(i, j)) /
+                     (step_x * step_y);
+  return table * (h / (kPi * layer.surface().plane_strain_modulus_Pa()));
+}
+
+}  // namespace softfinger::taxels
