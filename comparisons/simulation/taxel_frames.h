@@ -14,10 +14,9 @@ namespace softfinger::simulation {
 /// its x runs along the contact's long axis. The pressure is that of the contact's model, without
 /// friction, under the normal force at the end of the step.
 /// @param every  of so many steps one, >= 1, the last one too
-/// @throws InputError for a pitch that is missing (an array does not grow with the load), and a
-/// depth
-///   that a body's layer does not have
-/// Cost: about 15 ms per step and contact, at depth 40 ms.
+/// @throws InputError for a pitch that is missing, as an array does not grow with the load, and for
+/// a depth that a body's layer does not have
+/// Cost: about 10 ms per step and contact, at depth 40 ms.
 std::string taxels_csv(const Recording& recording, const input::Scene& scene,
                        const prediction::TaxelRequest& request, int every);
 
