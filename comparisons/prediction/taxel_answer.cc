@@ -80,7 +80,9 @@ void refuse_taxels(const InputError& error, const TaxelRequest& request) {
 
 TaxelAnswer read_taxels(const ModelAnswer& answer, const TaxelRequest& request) {
   const double depth_m = std::min(request.depth_m, answer.problem.finger_layers().thickness_m());
-  const Prediction& prediction = answer.prediction;
+  // A solved pressure is known without friction alone.
+  const Prediction& prediction =
+      answer.model->card().hot_path ? answer.pressed() : answer.prediction;
   try {
     const taxels::ModelReadings read =
         taxels::read_taxels(*answer.model, answer.problem, prediction, request.columns,

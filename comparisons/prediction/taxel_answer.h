@@ -22,7 +22,7 @@ struct TaxelRequest {
 struct TaxelAnswer {
   double load_N = 0;
   std::string model;
-  double a_m = 0, b_m = 0;  ///< the contact's own, of a model as it presses without friction
+  double a_m = 0, b_m = 0;  ///< the contact's own
   taxels::TaxelReadings readings;
   double normalisation = 1;  ///< load over the forces as they were integrated
 
@@ -45,7 +45,9 @@ TaxelAnswer taxel_answer(taxels::TaxelReadings readings, const taxels::ForceCell
 /// @throws InputError
 [[noreturn]] void refuse_taxels(const InputError& error, const TaxelRequest& request);
 
-/// Readings under the frictionless pressure of a model.
+/// Readings under the pressure of a model, with the friction that acts while pressing where the
+/// answer has it and the model does not solve for its pressure; the shear of that friction is left
+/// out.
 /// @pre answer.prediction.has_answer, and checked by `check_taxels`
 /// @throws InputError naming --taxels
 TaxelAnswer read_taxels(const ModelAnswer& answer, const TaxelRequest& request);

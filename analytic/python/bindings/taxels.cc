@@ -1,4 +1,5 @@
 #include "analytic/python/bindings/contacts.h"
+#include "softfinger/pressure/rubbed_prediction.h"
 #include "softfinger/taxels/taxel_array.h"
 
 namespace softfinger::python {
@@ -16,12 +17,17 @@ Numbers table(const Eigen::ArrayXXd& values) {
 std::optional<py::dict> taxels(const std::string& name, const py::dict& numbers, int columns,
                                int rows, std::optional<double> pitch_m, double depth_m) {
   const PressureModel& model = model_named(name);
-  const ContactProblem problem = Contacts(numbers).problem(0);
+  const Contacts contacts(numbers);
+  const ContactProblem problem = contacts.problem(0);
+  // A solved pressure is known without friction alone.
+  const bool is_rubbed = model.card().hot_path && knows_pressing_friction(model);
   taxels::ModelReadings read;
   Prediction prediction;
   {
     const py::gil_scoped_release others_may_run;
     prediction = model.predict(problem);
+    if (prediction.has_answer && is_rubbed)
+      prediction = rubbed(model, prediction, problem, contacts.pressing_friction_coefficient(0));
     if (prediction.has_answer)
       read = taxels::read_taxels(model, problem, prediction, columns, rows, pitch_m, depth_m);
   }
