@@ -217,7 +217,9 @@ std::optional<NextStep> structural(const input::Case& contact_case, const ModelA
                     "leave out the stiffer one of [layer] and [object_layer]"};
   if (is_stack(contact_case) && answer && !answer->model->knows_stacks())
     return NextStep{"the layer is a stack, and this model knows one material",
-                    compare + " presses the stack by finite elements"};
+                    contact_case.sublayers.size() <= LayerStack::kMost
+                        ? "stack_layer knows up to eight sublayers"
+                        : compare + " presses the stack by finite elements"};
   if (!contact_case.fem_mesh.empty())
     return NextStep{"the layer is a mesh of its own, which no model knows",
                     "softfinger fem " + as_typed(contact_case) + " presses it"};

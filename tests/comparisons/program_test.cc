@@ -1111,12 +1111,13 @@ TEST_F(Program, ExportSaysThatAnAveragedStackIsNotUsable) {
         folder.write("stack.toml", "id = \"x\"\n[geometry]\nrelative_radii_mm = [20, 10]\n" +
                                        sublayer(upper_kPa) + sublayer(20) +
                                        "[contact]\nload_N = 0.1\nfriction_coefficient = 1\n");
-    return run({"export", file.string(), "--to", "mujoco"});
+    return run({"export", file.string(), "--to", "mujoco", "--model", "bonded_layer"});
   };
   const ProgramRun unequal = exported(2000), equal = exported(20);
   EXPECT_EQ(unequal.status, 1);
   EXPECT_EQ(unequal.out.rfind("NOT USABLE: ", 0), 0u) << unequal.out;
   EXPECT_NE(first_line(unequal.out).find("the layer is a stack"), std::string::npos);
+  EXPECT_NE(first_line(unequal.out).find("stack_layer"), std::string::npos);
   EXPECT_EQ(unequal.out.find("friction=\""), std::string::npos) << "nothing to paste";
   EXPECT_EQ(equal.status, 0) << "two layers of one material are one layer";
   EXPECT_NE(equal.out.find("friction=\""), std::string::npos) << equal.out;

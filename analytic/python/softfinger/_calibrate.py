@@ -516,8 +516,8 @@ def _contact(values, names, given, fixed, law):
             contact[argument] = values[name]
     if law != "coulomb":
         contact["shear_law"] = law
-    if "friction_coefficient" in contact:
-        contact["pressing"] = given["pressing"]
+    if law == "coulomb" and given["pressing"] != "coulomb" and "friction_coefficient" in contact:
+        contact["pressing"] = given["pressing"]  # not the default of `predict`
     contact["winkler_modulus"] = given["winkler_modulus"]
     return contact
 
