@@ -15,7 +15,7 @@ struct TaxelInput {
   std::string array, depth_mm;  ///< as typed; empty: not asked for
   std::optional<std::string> output, picture;
 
-  /// None where no array was asked for.
+  /// Returns the array that was asked for, if any.
   /// @throws InputError for what is no array, and for the other options without --taxels
   std::optional<prediction::TaxelRequest> request() const;
 

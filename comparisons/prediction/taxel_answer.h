@@ -32,7 +32,7 @@ struct TaxelAnswer {
   struct Errors {
     double a = 0, b = 0, arm = 0;
   };
-  /// None: no force reaches the array.
+  /// Left empty where no force reaches the array.
   std::optional<Errors> errors;
   double own_arm_m = 0;  ///< of the contact's own pressure
 };

@@ -11,7 +11,8 @@
 namespace softfinger::simulation {
 namespace {
 
-/// None: the contact has no pressure (a rigid point, or one without an ellipse).
+/// Returns the model's answer for a recorded contact; nothing where it has no pressure (a rigid
+/// point, or one without an ellipse).
 std::optional<prediction::ModelAnswer> pressed_again(const RecordedContact& contact,
                                                      const input::Scene& scene) {
   if (!(contact.semi_axis_a_m > 0 && contact.normal_force_N > 0)) return std::nullopt;

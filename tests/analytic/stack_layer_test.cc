@@ -200,7 +200,8 @@ TEST(LargeContactLayer, IsTheStackForColumnsShearAndFlow) {
   const ElasticLayer one{2e-3, 3e5, 0.49};
   const ElasticLayer same = large_contact_layer(one);
   EXPECT_EQ(same.thickness_m, one.thickness_m);
-  // On a sublayer that does not yield there is only the surface's.
+  // On a sublayer that does not yield there is only the surface's. This one yields by 1e-12 of it,
+  // and lies deeper, which counts several times in the flow.
   const ElasticLayer on_rigid = large_contact_layer(sublayers({one, {1e-3, 3e17, 0.3}}));
   EXPECT_NEAR(on_rigid.thickness_m / one.thickness_m, 1, 1e-11);
   EXPECT_NEAR(on_rigid.youngs_modulus_Pa / one.youngs_modulus_Pa, 1, 1e-11);
@@ -216,6 +217,7 @@ TEST(LargeContactLayer, IsTheStackForColumnsShearAndFlow) {
     z += h;
   }
   const double h = layer.thickness_m, G = layer.shear_modulus_Pa();
+  // The round-off of the sums, times what 1 - 2 nu loses of its digits near nu = 1/2.
   EXPECT_NEAR(h / layer.oedometric_modulus_Pa() / columns, 1, 1e-12);
   EXPECT_NEAR(h / G / shear, 1, 1e-12);
   EXPECT_NEAR(h * h * h / (3 * G) / flow, 1, 1e-12);

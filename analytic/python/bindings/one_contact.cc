@@ -207,7 +207,8 @@ class OneContact {
     return asked;
   }
 
-  /// As softfinger/_contacts.py has it; nothing for what it refuses.
+  /// Returns the friction while pressing that is meant, by the rules of softfinger/_contacts.py;
+  /// nothing for what these refuse.
   std::optional<PressingFriction> pressing_of(PyObject* given,
                                               const ContactProblem& problem) const {
     PressingFriction told = PressingFriction::coulomb;

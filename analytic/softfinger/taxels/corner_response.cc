@@ -14,13 +14,14 @@
 namespace softfinger::taxels {
 namespace {
 
-/// Beyond this distance, in thicknesses, the layer's stress has decayed like exp(-0.739 r/h) (the
+/// Distance, in thicknesses, at which the layer's stress has decayed like exp(-0.739 r/h) (the
 /// slowest pole of the kernel, at nu = 1/2) to 1e-13 of what it is below the force.
 constexpr double kStressReach = 40;
 /// Steps of the tables, in thicknesses. The functions have singularities at a distance of at least
 /// h from the real axis near r = 0, and none near it farther out.
 constexpr double kNearReach = 6, kNearStep = 0.05, kFarStep = 0.25;
-/// Beyond this k h the excess of a layer's stress at its base, about x² exp(-x), is below 1e-16.
+/// Largest k h that counts: the excess of a layer's stress at its base, about x² exp(-x), is below
+/// 1e-16 there.
 constexpr double kLargestStressWaveNumber = 45;
 
 /// An even function of the distance r/h, on two tables.
@@ -171,7 +172,7 @@ StressCorners stress_corners(const ElasticLayer& layer, double depth_m,
   const double step_x = lattice.step_x_m / h, step_y = lattice.step_y_m / h;
   const ExcessFields excess(LayerStress(layer.poisson_ratio, z));
   const RadialTable mean = mean_within(excess.normal);
-  // Beyond the reach nothing is left of the sum, so that the excess is the half-space's, negative.
+  // The sum of both is nothing beyond the reach, so that the excess is the half-space's, negative.
   StressCorners corners;
   corners.normal = area_integrals(lattice, step_x, step_y, [&](double r) {
     if (r < kStressReach) return mean(r);

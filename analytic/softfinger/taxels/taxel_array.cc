@@ -19,7 +19,7 @@ Eigen::ArrayXXd at_corners(const ForceCells& forces, const CornerTable& table, P
   const int cells_x = int(forces.force_N.rows()), cells_y = int(forces.force_N.cols());
   for (int row = 0; row <= grid.rows; ++row)
     for (int j = 0; j < cells_y; ++j) {
-      // From the cell's middle to the corner it is (dy + 1/2) cells.
+      // The corner lies (dy + 1/2) cells from the cell's middle.
       const int dy = row * forces.per_taxel_y - (forces.begin_y + j) - 1;
       const int place_y = dy >= 0 ? dy : -dy - 1;
       const double sign_y = dy >= 0 || parity == Parity::odd_even ? 1 : -1;
