@@ -103,9 +103,11 @@ std::string geometry_in_words(const input::Case& contact_case) {
   if (contact_case.fem_curved)
     return "the finger itself (" +
            finger_in_words(std::get<input::BodyPair>(contact_case.geometry).finger) + ")";
-  return std::holds_alternative<input::BodyPair>(contact_case.geometry)
-             ? "a flat layer under the relative radii"
-             : "a flat layer under the case's relative radii";
+  const std::string layers =
+      contact_case.object_layer.thickness_m > 0 ? "two flat layers" : "a flat layer";
+  return layers + (std::holds_alternative<input::BodyPair>(contact_case.geometry)
+                       ? " under the relative radii"
+                       : " under the case's relative radii");
 }
 
 std::string strain_in_words(const input::Case& contact_case) {
@@ -144,9 +146,10 @@ std::string answer_line(const FemAnswerText& answer) {
   const reference::ReferenceResult& result = answer.result;
   const input::Case& contact_case = answer.contact_case;
   const std::string beyond = reference::beyond_limits_in_words(answer.validity);
-  const char* const what = !contact_case.fem_mesh.empty() ? "the layer's own mesh"
-                           : contact_case.fem_curved      ? "the finger itself"
-                                                          : "a flat layer";
+  const char* const what = !contact_case.fem_mesh.empty()              ? "the layer's own mesh"
+                           : contact_case.fem_curved                   ? "the finger itself"
+                           : contact_case.object_layer.thickness_m > 0 ? "two flat layers"
+                                                                       : "a flat layer";
   return fmt::format(
       "max torque {:.4g} mN·m{}, contact {:.3g} x {:.3g} mm, e_n {:.3g} mm, at {:.4g} N{}: finite "
       "elements of {} {}{}",

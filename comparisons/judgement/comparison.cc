@@ -171,9 +171,10 @@ bool is_sound(const Prediction& prediction, const input::Case& contact_case) {
 }
 
 std::string reference_in_words(const input::Case& contact_case) {
-  const char* const what = contact_case.fem_curved         ? "the finger"
-                           : contact_case.fem_mesh.empty() ? "a flat layer"
-                                                           : "the meshed layer";
+  const char* const what = contact_case.fem_curved                     ? "the finger"
+                           : contact_case.object_layer.thickness_m > 0 ? "two flat layers"
+                           : contact_case.fem_mesh.empty()             ? "a flat layer"
+                                                                       : "the meshed layer";
   return std::string(what) + (contact_case.fem_finite ? " at finite strain" : " in linear theory") +
          (contact_case.pressing == PressingFriction::none ? "" : ", pressed with friction");
 }

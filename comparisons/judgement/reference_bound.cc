@@ -38,6 +38,9 @@ ReferenceBound bound_of(const SolvedReference& solved) {
               "two meshes, and other readings of the scan: both errors together"};
     return {elements, "two meshes"};
   }
+  if (contact_case.object_layer.thickness_m > 0)
+    return {std::nullopt,
+            "how far two flat layers in linear theory are from the bodies themselves is not known"};
   if (contact_case.fem_curved || contact_case.fem_finite || solved.by_approach)
     return {std::nullopt, "how far this idealisation is from the finger itself is not known"};
   const prediction::Assessment layer =

@@ -176,6 +176,8 @@ json to_json(const FemProblem& problem) {
     if (problem.finite_strain) add_material(sublayer.material, entry);
     object["layer"]["sublayers"].push_back(entry);
   }
+  if (problem.object_layer.thickness_m > 0)
+    object["object_layer"] = input::layer_json(problem.object_layer);
   if (problem.layer_mesh)
     object["layer_mesh"] = {{"mesh", problem.layer_mesh->file.string()},
                             {"metres_per_unit", problem.layer_mesh->metres_per_unit},
@@ -200,17 +202,37 @@ json process_input(const FemProblem& problem) {
   return object;
 }
 
+namespace {
+
+/// @throws InputError where finite elements cannot solve a case with layers on both bodies
+void check_two_layers(const input::Case& contact_case) {
+  const auto refuse = [&](const char* field, const char* value, const char* allowed) {
+    throw InputError(contact_case.file.string(), field, value, allowed);
+  };
+  if (contact_case.fem_curved)
+    refuse("[fem] geometry", "\"curved\"",
+           "\"flat\" with [layer] and [object_layer]: finite elements of two layers are flat");
+  if (contact_case.fem_finite)
+    refuse(
+        "[fem] kinematics", "\"finite\"",
+        "\"linear\" with [layer] and [object_layer]: two layers are solved in linear elasticity");
+  if (!contact_case.fem_mesh.empty())
+    refuse("[fem] mesh", "given", "none with [layer] and [object_layer]");
+}
+
+}  // namespace
+
 FemProblem fem_problem(const input::Case& contact_case, const prediction::LocalGeometry& geometry,
                        double load_N, int level) {
-  if (contact_case.object_layer.thickness_m > 0)
-    throw InputError(contact_case.file.string(), "[object_layer]", "",
-                     "one layer, [layer] or [object_layer], for finite elements; the models take "
-                     "both (softfinger predict)");
+  const bool has_object_layer = contact_case.object_layer.thickness_m > 0;
+  if (has_object_layer) check_two_layers(contact_case);
   FemProblem problem;
   problem.name = contact_case.id;
   problem.radii = geometry.radii;
-  problem.sphere_radius_m = geometry.sphere_radius_m;
+  // A layer on the sphere, too, is taken for flat: the gap is then that of the paraboloid.
+  if (!has_object_layer) problem.sphere_radius_m = geometry.sphere_radius_m;
   problem.layer = contact_case.layer;
+  problem.object_layer = contact_case.object_layer;
   problem.sublayers = contact_case.sublayers;
   problem.finite_strain = contact_case.fem_finite;
   problem.load_N = load_N;

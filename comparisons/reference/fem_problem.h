@@ -54,6 +54,7 @@ struct FemProblem {
   /// A flat layer is then pressed by the sphere itself, not by its paraboloid.
   double sphere_radius_m = std::numeric_limits<double>::infinity();
   ElasticLayer layer;
+  ElasticLayer object_layer;                         ///< thickness 0: the object is rigid
   std::vector<input::Sublayer> sublayers;            ///< empty: a homogeneous layer
   std::optional<input::FiniteStrain> finite_strain;  ///< none: linear elasticity
   double load_N = 0;

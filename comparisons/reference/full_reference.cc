@@ -13,10 +13,15 @@ namespace {
 /// of 0.4 % and a slope of 0.015, by 0.24 % at 1.3 % and 0.03, of which 0.07 % are stated.
 constexpr double negligible_strain = 0.005, negligible_slope = 0.02;
 
-/// The curved layer is the finger's.
+bool has_two_layers(const input::Case& contact_case) {
+  return contact_case.object_layer.thickness_m > 0;
+}
+
+/// The curved layer is the finger's, and the only one.
 bool can_be_curved(const input::Case& contact_case) {
   return std::holds_alternative<input::BodyPair>(contact_case.geometry) &&
-         !contact_case.layer_on_object && contact_case.fem_mesh.empty();
+         !contact_case.layer_on_object && !has_two_layers(contact_case) &&
+         contact_case.fem_mesh.empty();
 }
 
 bool needs_finite_strain(const input::Case& contact_case,
@@ -47,7 +52,8 @@ input::Case with_full_reference(input::Case contact_case,
   if (!contact_case.fem_geometry_typed && can_be_curved(contact_case) && !idealisations.flat)
     contact_case.fem_curved = true;
   if (!contact_case.fem_kinematics_typed && contact_case.fem_mesh.empty() &&
-      !idealisations.linear && needs_finite_strain(contact_case, geometry, approach_m))
+      !has_two_layers(contact_case) && !idealisations.linear &&
+      needs_finite_strain(contact_case, geometry, approach_m))
     contact_case.fem_finite.emplace();
   input::settle_finger_shape(contact_case);
   return contact_case;

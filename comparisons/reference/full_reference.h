@@ -15,7 +15,8 @@ struct Idealisations {
 
 /// The case with the reference that it deserves, where its [fem] chooses none: two bodies as they
 /// are, the layer curved over the finger's own core; finite strain as soon as it changes a number
-/// by more than the finite elements' stated error. A user's own mesh of the layer stays what it is.
+/// by more than the finite elements' stated error. A user's own mesh of the layer stays what it is,
+/// and layers on both bodies are flat and linear.
 /// @param geometry    of the case
 /// @param approach_m  by which it is pressed in place of its loads
 input::Case with_full_reference(input::Case contact_case,

@@ -18,9 +18,30 @@ std::vector<ElasticConstants> Pressing::materials() const {
   return sublayers.empty() ? std::vector<ElasticConstants>{{1, poisson_ratio}} : sublayers;
 }
 
+namespace {
+
+/// (1 - nu²)/E
+double normal_compliance(const ElasticConstants& of) {
+  return (1 - of.poisson_ratio * of.poisson_ratio) / of.youngs_ratio;
+}
+
+/// (1 - 2 nu) (1 + nu)/(2 E)
+double coupling_compliance(const ElasticConstants& of) {
+  return (1 - 2 * of.poisson_ratio) * (1 + of.poisson_ratio) / (2 * of.youngs_ratio);
+}
+
+}  // namespace
+
 double Pressing::surface_modulus() const {
-  const ElasticConstants surface = materials().front();
-  return surface.youngs_ratio / (1 - surface.poisson_ratio * surface.poisson_ratio);
+  double compliance = normal_compliance(materials().front());
+  if (opposite) compliance += normal_compliance(opposite->constants);
+  return 1 / compliance;
+}
+
+double Pressing::coupling() const {
+  double shear = coupling_compliance(materials().front());
+  if (opposite) shear -= coupling_compliance(opposite->constants);
+  return std::abs(shear) * surface_modulus();
 }
 
 MirrorPlanes Pressing::planes() const {
@@ -102,6 +123,10 @@ Pressing pressing_of(const Problem& problem, CoreWays ways) {
   pressing.thickness_m = h;
   pressing.unit_of_force_N = layer.youngs_modulus_Pa * h * h;
   pressing.mesh = problem.mesh;
+  if (const ElasticLayer& object = problem.contact.object_layer; problem.contact.has_object_layer())
+    pressing.opposite = {
+        object.thickness_m / h,
+        {object.youngs_modulus_Pa / layer.youngs_modulus_Pa, compressible(object.poisson_ratio)}};
   const FrictionRequest& friction = problem.friction;
   pressing.rubs_deformed = problem.finite_strain && friction.any();
   pressing.moves_off_centre =
@@ -178,6 +203,8 @@ Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> make_layer(
   if (pressing.mesh)
     return std::make_shared<const LayerModel>(discretisation, pressing.materials(), *pressing.mesh,
                                               pressing.thickness_m, rubs);
+  if (pressing.opposite)
+    return LayerModel::facing(discretisation, pressing.materials(), *pressing.opposite);
   return LayerModel::made(discretisation, pressing.materials(), pressing.bent.shape,
                           pressing.planes(), rubs);
 }

@@ -26,6 +26,7 @@ struct Pressing {
   /// surface on.
   std::vector<double> interfaces;
   std::vector<ElasticConstants> sublayers;  ///< none: homogeneous
+  std::optional<OppositeLayer> opposite;    ///< on the object; none: it is rigid
   double thickness_m = 1;
   double unit_of_force_N = 1;  ///< E h²
   Fingertip fingertip;         ///< none: a flat layer, and the gap of the relative radii
@@ -39,11 +40,18 @@ struct Pressing {
   /// Elastic constants of the sublayers, or of the homogeneous layer.
   std::vector<ElasticConstants> materials() const;
 
+  /// Thickness of the layers, on both bodies together.
+  double whole_thickness() const { return opposite ? 1 + opposite->thickness : 1; }
+
   /// A gap larger than any approach.
   static constexpr double beside_object = 1e3;
 
-  /// E / (1 - nu²) of the material at the surface.
+  /// Modulus E* of the materials at the surfaces, 1/E* = sum (1 - nu²)/E over the soft bodies.
   double surface_modulus() const;
+
+  /// Dundurs' constant beta, absolute: how far pressing shears the surfaces that touch (K. L.
+  /// Johnson, Contact Mechanics, 1985, section 5.1). Zero for bodies that are alike.
+  double coupling() const;
 
   /// The mirror planes of finger, object and motion. Friction at finite strain is solved with both
   /// or none.

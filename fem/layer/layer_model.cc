@@ -4,8 +4,11 @@
 #include <deal.II/lac/dynamic_sparsity_pattern.h>
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
+#include <map>
 #include <memory>
+#include <stdexcept>
 #include <utility>
 
 #include "fem/algebra/cholesky.h"
@@ -35,6 +38,10 @@ struct LayerModel::Implementation : LayerSpace {
   /// does.
   Eigen::MatrixXd of_rubbing;
   std::vector<int> rubbing_row;  ///< per node, its first of them; -1: none
+  /// The layer on the object, in units of its own thickness and modulus; null: the object is rigid.
+  std::shared_ptr<const LayerModel> opposite;
+  double opposite_compliance = 0;   ///< its unit of compliance, over this layer's
+  std::vector<int> opposite_nodes;  ///< per node, the one at the same place
 
   void set_up(std::vector<ElasticConstants> of_sublayers, const Rubs& rubs);
   void set_frames();
@@ -53,11 +60,33 @@ struct LayerModel::Implementation : LayerSpace {
 
 namespace {
 
-/// Turns the normals of 3 x 3 blocks inwards: the model's z points out of the layer.
-void turn_normals_inwards(Eigen::MatrixXd& blocks) {
+/// Turns the normals of 3 x 3 blocks round: the model's z points out of the layer.
+void turn_normals(Eigen::MatrixXd& blocks) {
   const auto normals = Eigen::seq(2, Eigen::last, 3);
   blocks(normals, Eigen::all) *= -1;
   blocks(Eigen::all, normals) *= -1;
+}
+
+/// For each node the one of the other layer at the same place.
+/// @param scale  of the other layer's unit of length
+std::vector<int> nodes_at_same_places(const std::vector<SurfaceNode>& nodes,
+                                      const std::vector<SurfaceNode>& others, double scale,
+                                      double spacing) {
+  constexpr double fine = 1e3;  // of a spacing: places differ by rounding alone
+  const auto place = [&](double x, double y) {
+    return std::pair(std::lround(fine * x / spacing), std::lround(fine * y / spacing));
+  };
+  std::map<std::pair<long, long>, int> at;
+  for (std::size_t i = 0; i < others.size(); ++i)
+    at[place(scale * others[i].x, scale * others[i].y)] = static_cast<int>(i);
+  std::vector<int> result;
+  for (const SurfaceNode& node : nodes) {
+    const auto found = at.find(place(node.x, node.y));
+    if (found == at.end())
+      throw std::logic_error("the surface meshes of two layers in contact differ");
+    result.push_back(found->second);
+  }
+  return result;
 }
 
 }  // namespace
@@ -150,6 +179,32 @@ Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> LayerModel::made(
   if (made->folded) return *made->folded;
   made->set_up(std::move(sublayers), rubs);
   return std::shared_ptr<const LayerModel>(new LayerModel(std::move(made)));
+}
+
+std::shared_ptr<const LayerModel> LayerModel::facing(const LayerDiscretisation& discretisation,
+                                                     std::vector<ElasticConstants> sublayers,
+                                                     const OppositeLayer& opposite) {
+  auto result = std::make_shared<LayerModel>(discretisation, std::move(sublayers));
+  result->add_opposite(opposite);
+  return result;
+}
+
+void LayerModel::add_opposite(const OppositeLayer& opposite) {
+  auto& self = *implementation_;
+  LayerDiscretisation there = self.discretisation;
+  there.a /= opposite.thickness;
+  there.b /= opposite.thickness;
+  there.interfaces.clear();
+  // Nodes on the patch's edge belong to it in both units.
+  constexpr double rounding = 1e-9;
+  there.patch *= 1 + rounding;
+  self.opposite = std::make_shared<const LayerModel>(there, opposite.constants.poisson_ratio);
+  self.opposite_compliance = 1 / (opposite.constants.youngs_ratio * opposite.thickness);
+  self.opposite_nodes =
+      nodes_at_same_places(self.nodes, self.opposite->nodes(), opposite.thickness,
+                           self.discretisation.b / self.discretisation.elements_along_b());
+  std::vector<Eigen::Index> rows(self.opposite_nodes.begin(), self.opposite_nodes.end());
+  self.compliance += self.opposite_compliance * self.opposite->compliance()(rows, rows);
 }
 
 void LayerModel::Implementation::set_up(std::vector<ElasticConstants> of_sublayers,
@@ -245,7 +300,7 @@ std::vector<Eigen::MatrixXd> LayerModel::vector_compliances(const std::vector<Pa
     for (const int node : nodes)
       for (int c = 0; c < 3; ++c) rows.push_back(rubbing_row(node) + c);
     Eigen::MatrixXd compliance = self.of_rubbing(rows, rows);
-    turn_normals_inwards(compliance);
+    turn_normals(compliance);
     return {compliance};
   }
   if (self.stiffness.empty()) {
@@ -264,13 +319,27 @@ std::vector<Eigen::MatrixXd> LayerModel::vector_compliances(const std::vector<Pa
           compliances[i] = Eigen::MatrixXd::Zero(size, size);
           compliances[i](present.place, present.place) =
               std::move(*present.factor).compliance_of_last();
-          turn_normals_inwards(compliances[i]);
+          turn_normals(compliances[i]);
         },
         [&] {
           if (i + 1 < parities.size()) next = self.analyse(parities[i + 1], nodes);
         });
   }
+  if (self.opposite) add_opposite_to(compliances, parities, nodes);
   return compliances;
+}
+
+void LayerModel::add_opposite_to(std::vector<Eigen::MatrixXd>& compliances,
+                                 const std::vector<Parity>& parities,
+                                 const std::vector<int>& nodes) const {
+  const auto& self = *implementation_;
+  std::vector<int> there;
+  for (const int node : nodes) there.push_back(self.opposite_nodes[static_cast<std::size_t>(node)]);
+  std::vector<Eigen::MatrixXd> others = self.opposite->vector_compliances(parities, there);
+  for (std::size_t i = 0; i < others.size(); ++i) {
+    turn_normals(others[i]);
+    compliances[i] += self.opposite_compliance * others[i];
+  }
 }
 
 Eigen::MatrixXd LayerModel::vector_compliance(Parity parity, const std::vector<int>& nodes) const {
@@ -284,7 +353,10 @@ const LayerDiscretisation& LayerModel::discretisation() const {
 }
 const std::vector<SurfaceNode>& LayerModel::nodes() const { return implementation_->nodes; }
 const std::vector<SurfaceFace>& LayerModel::faces() const { return implementation_->faces; }
-long LayerModel::unknowns() const { return implementation_->even.count; }
+long LayerModel::unknowns() const {
+  return implementation_->even.count +
+         (implementation_->opposite ? implementation_->opposite->unknowns() : 0);
+}
 MirrorPlanes LayerModel::planes() const { return implementation_->planes; }
 const Eigen::MatrixXd& LayerModel::compliance() const { return implementation_->compliance; }
 

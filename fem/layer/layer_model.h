@@ -36,6 +36,16 @@ struct ElasticConstants {
   }
 };
 
+/// A second layer, which is bonded to the object and touches the first one. Both are flat.
+struct OppositeLayer {
+  double thickness = 1;  ///< over h
+  ElasticConstants constants;
+
+  bool operator==(const OppositeLayer& other) const {
+    return thickness == other.thickness && constants == other.constants;
+  }
+};
+
 /// The displacements of the surface nodes that a layer is condensed to.
 enum class Along {
   normals,  ///< one per node, into the layer
@@ -87,6 +97,15 @@ class LayerModel {
   static Outcome<std::shared_ptr<const LayerModel>, FoldedLayer> made(
       const LayerDiscretisation& discretisation, std::vector<ElasticConstants> sublayers,
       std::shared_ptr<const LayerShape> shape, MirrorPlanes planes, const Rubs& rubs = none_rubs);
+  /// Two flat layers that face each other, each meshed for the same contact in units of its own
+  /// thickness, so that their surface nodes lie at the same places. Displacements are relative ones
+  /// of the two surfaces. Forces that press or rub do so on both, in opposite directions: normal
+  /// displacements by normal forces, and tangential by tangential ones, add up; what couples the
+  /// two (K. L. Johnson, Contact Mechanics, 1985, section 5.1) is the difference, nothing for
+  /// layers that are alike. Fields for output are those of the first layer.
+  static std::shared_ptr<const LayerModel> facing(const LayerDiscretisation& discretisation,
+                                                  std::vector<ElasticConstants> sublayers,
+                                                  const OppositeLayer& opposite);
   ~LayerModel();
   LayerModel(const LayerModel&) = delete;
   LayerModel& operator=(const LayerModel&) = delete;
@@ -120,6 +139,10 @@ class LayerModel {
  private:
   struct Implementation;
   explicit LayerModel(std::unique_ptr<Implementation> implementation);
+  void add_opposite(const OppositeLayer& opposite);
+  /// Compliances of the opposite layer at these nodes, in this layer's units, added to its own.
+  void add_opposite_to(std::vector<Eigen::MatrixXd>& compliances,
+                       const std::vector<Parity>& parities, const std::vector<int>& nodes) const;
   std::unique_ptr<Implementation> implementation_;
 };
 

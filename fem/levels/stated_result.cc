@@ -40,8 +40,7 @@ ErrorSetting error_setting(const SolvedLevels& levels, const ContactTask& task) 
   setting.approach_given = task.problem.approach_m > 0;
   setting.wall = levels.wall;
   setting.rubbed = task.problem.pressing != PressingFriction::none;
-  const double nu = pressing.materials().front().poisson_ratio;
-  setting.coupling = (1 - 2 * nu) / (2 * (1 - nu));
+  setting.coupling = pressing.coupling();
   setting.rounded_edges =
       task.problem.finite_strain && pressing.fingertip && pressing.fingertip.object->faceted();
   return setting;

@@ -56,7 +56,7 @@ FoldedLayer refuse_pressed_through(const Pressed& pressed, const ContactTask& ta
                                            "outside linear elasticity",
                                            beyond, pressed.contact.approach));
   Pressing through = task.pressing;
-  through.approach = 1;
+  through.approach = task.pressing.whole_thickness();
   const Outcome<Pressed, FoldedLayer> largest = press_on(pressed.model, through);
   if (!largest) return largest.reason();
   const double load_N = through.unit_of_force_N * largest->load();
@@ -68,7 +68,7 @@ FoldedLayer refuse_pressed_through(const Pressed& pressed, const ContactTask& ta
 /// @throws InputError for a contact that linear elasticity on a layer does not describe
 std::optional<FoldedLayer> check_sensible(const Pressed& pressed, const ContactTask& task) {
   // A region that is too small holds less: the next mesh is larger.
-  if (pressed.contact.approach >= 1 && !pressed.reaches_rim)
+  if (pressed.contact.approach >= task.pressing.whole_thickness() && !pressed.reaches_rim)
     return refuse_pressed_through(pressed, task);
   if (pressed.moment_b > largest_b || pressed.moment_a > largest_a || pressed.moment_b < smallest_b)
     throw InputError(task.problem.name, "contact",
@@ -377,8 +377,8 @@ class LinearContact : public ContactPhysics {
 LayerIdentity identity_of(const ContactTask& task) {
   const Problem& problem = task.problem;
   const Pressing& pressing = task.pressing;
-  LayerIdentity identity{pressing.materials(), pressing.interfaces, "", pressing.planes(),
-                         problem.level};
+  LayerIdentity identity{pressing.materials(), pressing.interfaces, "",
+                         pressing.planes(),    problem.level,       pressing.opposite};
   const std::string scale = formatted(", h %.17g", pressing.thickness_m);
   if (problem.mesh) identity.fingertip = problem.mesh_name + scale;
   if (problem.fingertip)

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,12 @@ struct LayerIdentity {
   std::string fingertip;  ///< a different text for each shape of curved layer over h; empty: flat
   MirrorPlanes planes;
   int level = 2;  ///< as in `Problem`
+  std::optional<OppositeLayer> opposite = std::nullopt;
 
   bool operator==(const LayerIdentity& other) const {
     return sublayers == other.sublayers && interfaces == other.interfaces &&
-           fingertip == other.fingertip && planes == other.planes && level == other.level;
+           fingertip == other.fingertip && planes == other.planes && level == other.level &&
+           opposite == other.opposite;
   }
 };
 

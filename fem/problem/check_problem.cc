@@ -14,6 +14,9 @@ constexpr double largest_ratio_of_radii = 100;
 constexpr double thinnest_sublayer = 0.02;
 /// Values that are given twice differ by the round-off of a change of units only.
 constexpr double agreement = 1e-9;
+/// Largest ratio of two layers' thicknesses. The contact lies between the sizes, over each of them,
+/// for which layers are verified.
+constexpr double most_unlike_layers = 100;
 
 bool agree(double one, double other) { return std::abs(one / other - 1) < agreement; }
 
@@ -89,9 +92,31 @@ void check_sublayers(const Problem& problem) {
                      formatted("the layer's, %.9g", thickness_m));
 }
 
+/// A layer on the object, too, is solved in linear elasticity, where both are flat.
+void check_object_layer(const Problem& problem) {
+  if (!problem.contact.has_object_layer()) return;
+  const ElasticLayer& layer = problem.contact.object_layer;
+  check_material(problem, layer, "object layer's ");
+  const double ratio = layer.thickness_m / problem.contact.layer.thickness_m;
+  if (ratio > most_unlike_layers || 1 / ratio > most_unlike_layers)
+    throw InputError(
+        problem.name, "object layer's thickness_m", formatted("%g", layer.thickness_m),
+        formatted("%g times as thick as the finger's at most, or as thin", most_unlike_layers));
+  const auto refuse = [&](const char* field, const char* value, const char* allowed) {
+    throw InputError(problem.name, field, value, allowed);
+  };
+  if (problem.finite_strain)
+    refuse("kinematics", "finite", "\"linear\" where the object has a layer too");
+  if (problem.fingertip || problem.mesh)
+    refuse("geometry", "curved", "\"flat\" where the object has a layer too");
+  if (std::isfinite(problem.sphere_radius_m))
+    refuse("sphere_radius_m", formatted("%g", problem.sphere_radius_m).c_str(),
+           "none where the object has a layer too: the gap is that of the relative radii");
+  if (!problem.compliance_file.empty())
+    refuse("compliance_file", problem.compliance_file.c_str(), "one layer");
+}
+
 void check_geometry(const Problem& problem) {
-  if (problem.contact.has_object_layer())
-    throw InputError(problem.name, "object layer", "", "a rigid object for finite elements");
   if (problem.fingertip && problem.mesh)
     throw InputError(problem.name, "mesh of the layer", problem.mesh_name,
                      "a mesh or a curved finger, not both");
@@ -129,6 +154,7 @@ void check_problem(const Problem& problem) {
   check_material(problem, problem.contact.layer, "");
   check_load(problem);
   check_geometry(problem);
+  check_object_layer(problem);
   check_sublayers(problem);
   check_compliance_file(problem);
   check_friction(problem);

@@ -205,6 +205,8 @@ Problem read_problem(const json& input, const MeshReaders& readers) {
     problem.sphere_radius_m = radius_m->positive();
   const Entry layer = root.at("layer");
   problem.contact.layer = read_layer(layer);
+  if (const auto object_layer = root.find("object_layer"))
+    problem.contact.object_layer = read_layer(*object_layer);
   if (const auto kinematics = root.find("kinematics"))
     if (kinematics->choice({"linear", "finite"}) == "finite")
       problem.finite_strain = read_material(layer);

@@ -300,8 +300,11 @@ TEST_F(Program, TakesTheCasesOptionsAndSaysWhatItFitted) {
       EXPECT_NE(answer["validity"].dump().find("thick_object_layer"), std::string::npos);
     }
   }
-  expect_refusal({"fem", file.string()}, "[object_layer]");
-  expect_refusal({"compare", file.string()}, "[object_layer]");
+  for (const char* command : {"fem", "compare"}) {
+    expect_refusal({command, file.string(), "--set", "fem.kinematics=\"finite\""},
+                   "[fem] kinematics");
+    expect_refusal({command, file.string(), "--set", "fem.geometry=\"curved\""}, "geometry");
+  }
 
   // Without [layer] the finger is rigid: the same numbers as with the layer on the finger.
   const auto answer = [&](const std::string& name, const std::string& case_file) {

@@ -58,6 +58,18 @@ TEST(TheoryLimits, EndLinearTheoryAtLargeStrainsAndSlopes) {
   EXPECT_TRUE(limits(finite, result_with(2e-3, 5e-3, 1.5e-3)).holds());
 }
 
+TEST(TheoryLimits, ShareTheIndentationOfTwoLayers) {
+  input::Case two = limited_case(kRadii, 0.45, "kinematics = \"linear\"\n");
+  two.object_layer = two.layer;
+  const auto strain = [&] { return limits(two, result_with(2e-3, 1e-3, 0.4e-3)).begin()->value; };
+  EXPECT_DOUBLE_EQ(strain(), 0.5 * 0.4e-3 / two.layer.thickness_m) << "two that are alike";
+  two.object_layer.youngs_modulus_Pa *= 1e9;
+  EXPECT_NEAR(strain(), 0.4e-3 / two.layer.thickness_m, 1e-8) << "a hard one takes none of it";
+  two.object_layer.youngs_modulus_Pa *= 1e-18;
+  two.object_layer.thickness_m *= 2;
+  EXPECT_NEAR(strain(), 0.4e-3 / two.object_layer.thickness_m, 1e-8) << "a soft one takes all";
+}
+
 TEST(TheoryLimits, LeaveOutEveryRunOfTheAtlasInWhichLinearTheoryIsOffByFivePercent) {
   using prediction::Quantity;
   const judgement::AtlasFile& atlas = judgement::finite_strain_atlas().file();

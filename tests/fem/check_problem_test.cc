@@ -42,7 +42,8 @@ const Refused refused[] = {
      }},
     {"sphere_radius_m", [](Problem& p) { p.sphere_radius_m = 0.02; }},
     {"sphere_radius_m", [](Problem& p) { p.sphere_radius_m = 0.01; }},
-    {"object layer", [](Problem& p) { p.contact.object_layer.thickness_m = 1e-3; }},
+    {"object layer's youngs_modulus_Pa",
+     [](Problem& p) { p.contact.object_layer.thickness_m = 1e-3; }},
     {"sublayer's poisson_ratio",
      [](Problem& p) {
        p.sublayers = {half(0.3), half(0.6)};
