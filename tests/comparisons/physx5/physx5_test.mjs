@@ -8,7 +8,7 @@ import {spawnSync} from 'node:child_process';
 import {readFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';
 import {fileURLToPath, pathToFileURL} from 'node:url';
-import {fetchPackages} from '../fetch_packages.mjs';
+import {fetchPackages} from '../../../comparisons/benchmark/fetch_packages.mjs';
 
 const [test, softfinger, npm, folder] = process.argv.slice(2);
 
