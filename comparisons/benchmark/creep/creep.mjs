@@ -1,0 +1,45 @@
+// node creep.mjs SOFTFINGER [--npm NPM] [--packages FOLDER] [--csv FILE] [--page FILE]
+// How much do held things creep in MuJoCo 3 and in `softfinger simulate`, and what has to be set?
+//
+// SOFTFINGER is the program; FOLDER keeps MuJoCo from npm (default: build/mujoco3). Without --csv and --page the CSV goes to
+// standard output.
+import {spawnSync} from 'node:child_process';
+import {writeFileSync} from 'node:fs';
+import {parseArgs} from 'node:util';
+import {loadMujoco} from '../mujoco3/load_mujoco.mjs';
+import * as mujocoRuns from './mujoco.mjs';
+import {pageText} from './page.mjs';
+import {allScenes} from './scenes.mjs';
+import * as softfingerRuns from './softfinger.mjs';
+
+const {values, positionals} = parseArgs({allowPositionals: true, options: {
+  npm: {type: 'string', default: 'npm'}, packages: {type: 'string', default: 'build/mujoco3'}, csv: {type: 'string'}, page: {type: 'string'}}});
+if (positionals.length !== 1) {
+  console.error('usage: node creep.mjs SOFTFINGER [--npm NPM] [--packages FOLDER] [--csv FILE] [--page FILE]');
+  process.exit(2);
+}
+const [softfinger] = positionals;
+const mujoco = await loadMujoco(values.npm, values.packages);
+const engines = [
+  {name: `MuJoCo ${mujoco.mj_versionString()}`, settings: mujocoRuns.settings, run: (...words) => mujocoRuns.run(mujoco, ...words)},
+  {name: spawnSync(softfinger, ['--version'], {encoding: 'utf8'}).stdout.trim(), settings: softfingerRuns.settings,
+    run: (...words) => softfingerRuns.run(softfinger, ...words)},
+];
+
+const rows = [];
+for (const {name: engine, settings, run} of engines)
+  for (const setting of settings)
+    for (const scene of allScenes()) {
+      console.error(`${engine}, ${setting.name}: ${scene.name}, ${scene.load_N} N`);
+      for (const {watch_s: [from_s, to_s], ...result} of run(scene, setting))
+        rows.push({engine, setting: setting.name, scene: scene.name, load_N: scene.load_N, time_step_s: setting.timeStep_s ?? scene.timeStep_s,
+          from_s, to_s, ...result});
+    }
+
+const columns = Object.keys(rows[0]);
+const cell = value => value === null ? '' : typeof value === 'number' ? String(Number(value.toPrecision(4))) : /,/.test(value) ? `"${value}"` : value;
+const csv = [columns, ...rows.map(row => columns.map(column => row[column]))].map(line => line.map(cell).join(',')).join('\n') + '\n';
+if (values.csv) writeFileSync(values.csv, csv);
+if (values.page) writeFileSync(values.page, pageText(rows));
+if (!values.csv && !values.page) process.stdout.write(csv);
+process.exit(0);
