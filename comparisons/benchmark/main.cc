@@ -70,7 +70,8 @@ int run(int argc, char** argv) {
   bool json = false;
   app.add_option("--engine", engines, "only this one; may be repeated")->allow_extra_args(false);
   app.add_option("--problem", problems,
-                 "only this one: pinch, twist, grip, tilt, held or stack; may be repeated")
+                 "only this one: pinch, twist, grip, tilt, held, stack, capsule, claw or wall; may "
+                 "be repeated")
       ->allow_extra_args(false);
   app.add_option("--page", page, "HTML file to write");
   app.add_flag("--json", json, "one JSON object on standard output");

@@ -25,6 +25,7 @@ std::string speed(const Score& score) {
 std::string shown(double value, const std::string& unit) {
   if (!std::isfinite(value)) return "none";
   if (value != 0 && std::abs(value) < 1e-4) return "0" + (unit == "°" ? unit : "\u00a0" + unit);
+  if (std::abs(value) >= 1000) return fmt::format("{:.0f}\u00a0{}", value, unit);
   return fmt::format("{:.3g}{}{}", value, unit.empty() || unit == "°" ? "" : "\u00a0", unit);
 }
 
@@ -85,8 +86,9 @@ std::string worst_in_words(const Problem& problem, const Score& score) {
   if (!problem.is_relative) {
     std::string words;
     for (const Measured& measured : score.measured)
-      words +=
-          (words.empty() ? "" : ", ") + measured.verb + " " + shown(measured.value, measured.unit);
+      if (!measured.verb.empty())
+        words += (words.empty() ? "" : ", ") + measured.verb + " " +
+                 (std::isfinite(measured.value) ? shown(measured.value, measured.unit) : "lost");
     return words;
   }
   return std::isfinite(worst->error()) ? report::signed_percent(worst->error()) : "none holds";
@@ -128,7 +130,7 @@ nlohmann::json to_json(const Results& results) {
 
 std::string render_page(const Results& results) {
   Html body =
-      "<header><h1>Soft contacts in several simulators</h1>\n<p class=\"subtitle\">The same six "
+      "<header><h1>Soft contacts in several simulators</h1>\n<p class=\"subtitle\">The same nine "
       "problems, each engine's largest error against the truth and its speed</p>\n"
       "<nav><a href=\"#overview\">Overview</a> <a href=\"#problems\">Problem by problem</a> <a "
       "href=\"#provenance\">Provenance</a></nav></header>\n<h2 id=\"overview\">Overview</h2>\n";
@@ -140,9 +142,11 @@ std::string render_page(const Results& results) {
       "below 2e-4 of what it is without friction. A contact that creeps at constant velocity holds "
       "by that measure; how far it comes is in "
       "<i>held</i> and <i>stack</i>, where the truth is 0: how far a body moved and turned in a "
-      "minute, and how far a box of the stack sank into those below in the second before it. All "
-      "engines have steps of 1 ms, 2 ms in "
-      "<i>stack</i>, and their own default solver and iterations unless stated. Who is told mu e_n "
+      "minute, and how far a box of the stack sank into those below in the second before it; in "
+      "<i>capsule</i>, <i>claw</i> and <i>wall</i> how fast it creeps. All engines have steps of 1 "
+      "ms, 2 ms in "
+      "<i>stack</i> and these three, and their own default solver and iterations unless stated. "
+      "Who is told mu e_n "
       "has that of the nominal load, and a pad is a box whose corners lie at e_n.</p>\n";
   std::string bounds;
   for (const TruthBound& truth : bounds_of_the_truth())

@@ -62,6 +62,22 @@ TEST(Benchmark, AnOrdinaryContactPointHasNoTorque) {
     EXPECT_EQ(measured.value, 0);
 }
 
+TEST(Benchmark, HoldsCreepInMujocoAndNotInOurs) {
+  for (const char* problem : {"capsule", "claw", "wall"}) {
+    SCOPED_TRACE(problem);
+    const Score ours = solve(problem, "softfinger");
+    ASSERT_GE(ours.measured.size(), 2u);
+    // A picometre and a nanoradian a second; round-off leaves some 1e-9 of these units.
+    for (const Measured& measured : ours.measured) EXPECT_LT(measured.value, 1e-6) << measured.what;
+    if (!engine("mujoco_default")) continue;
+    const Score mujoco = solve(problem, "mujoco_default");
+    ASSERT_EQ(mujoco.measured.size(), ours.measured.size());
+    // Each scene's speeds stand in pairs, of moving and of turning.
+    for (std::size_t i = 0; i < mujoco.measured.size(); i += 2)
+      EXPECT_GT(mujoco.measured[i].value, 1000) << mujoco.measured[i].what;
+  }
+}
+
 TEST(Benchmark, TheOverviewSaysWhatItsLengthsAre) {
   for (const Problem& problem : all_problems())
     if (problem.name == "stack") {

@@ -1,7 +1,7 @@
-// node creep.mjs SOFTFINGER [--npm NPM] [--packages FOLDER] [--csv FILE] [--page FILE]
+// node creep.mjs SOFTFINGER [--benchmark BENCHMARK] [--npm NPM] [--packages FOLDER] [--csv FILE] [--page FILE]
 // How much do held things creep in MuJoCo 3 and in `softfinger simulate`, and what has to be set?
 //
-// SOFTFINGER is the program; FOLDER keeps MuJoCo from npm (default: build/mujoco3). Without --csv and --page the CSV goes to
+// SOFTFINGER is the program; BENCHMARK, softfinger-benchmark, adds Bullet where it has that; FOLDER keeps MuJoCo from npm (default: build/mujoco3). Without --csv and --page the CSV goes to
 // standard output.
 import {spawnSync} from 'node:child_process';
 import {writeFileSync} from 'node:fs';
@@ -13,9 +13,9 @@ import {allScenes} from './scenes.mjs';
 import * as softfingerRuns from './softfinger.mjs';
 
 const {values, positionals} = parseArgs({allowPositionals: true, options: {
-  npm: {type: 'string', default: 'npm'}, packages: {type: 'string', default: 'build/mujoco3'}, csv: {type: 'string'}, page: {type: 'string'}}});
+  npm: {type: 'string', default: 'npm'}, packages: {type: 'string', default: 'build/mujoco3'}, benchmark: {type: 'string'}, csv: {type: 'string'}, page: {type: 'string'}}});
 if (positionals.length !== 1) {
-  console.error('usage: node creep.mjs SOFTFINGER [--npm NPM] [--packages FOLDER] [--csv FILE] [--page FILE]');
+  console.error('usage: node creep.mjs SOFTFINGER [--benchmark BENCHMARK] [--npm NPM] [--packages FOLDER] [--csv FILE] [--page FILE]');
   process.exit(2);
 }
 const [softfinger] = positionals;
@@ -26,6 +26,19 @@ const engines = [
     run: (...words) => softfingerRuns.run(softfinger, ...words)},
 ];
 
+/** The same holds in Bullet, which has a number for each of the watches, in their order. */
+function bulletRows(benchmark) {
+  const words = ['--engine', 'bullet_exported', '--json', ...['capsule', 'claw', 'wall'].flatMap(name => ['--problem', name])];
+  const done = spawnSync(benchmark, words, {encoding: 'utf8'});
+  if (done.status !== 0) throw new Error(`${benchmark} ${words.join(' ')} ends with ${done.status}:\n${done.stderr}`);
+  const [{title, problems}] = JSON.parse(done.stdout).engines;
+  return allScenes().flatMap(scene => scene.watches_s.map(([from_s, to_s]) => {
+    const [moves, turns] = problems[scene.name].measured.splice(0, 2).map(({value}) => value);
+    return {engine: title.split(',')[0], setting: 'defaults', scene: scene.name, load_N: scene.load_N, time_step_s: scene.timeStep_s, from_s, to_s,
+      um_per_s: moves, mrad_per_s: turns, watched_s: null, sunk_mm: null, lost_at_s: null};
+  }));
+}
+
 const rows = [];
 for (const {name: engine, settings, run} of engines)
   for (const setting of settings)
@@ -35,6 +48,8 @@ for (const {name: engine, settings, run} of engines)
         rows.push({engine, setting: setting.name, scene: scene.name, load_N: scene.load_N, time_step_s: setting.timeStep_s ?? scene.timeStep_s,
           from_s, to_s, ...result});
     }
+
+if (values.benchmark) rows.push(...bulletRows(values.benchmark));
 
 const columns = Object.keys(rows[0]);
 const cell = value => value === null ? '' : typeof value === 'number' ? String(Number(value.toPrecision(4))) : /,/.test(value) ? `"${value}"` : value;

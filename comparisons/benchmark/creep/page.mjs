@@ -16,11 +16,11 @@ const at = (rows, engine, setting, column) => rows.find(row => row.engine === en
 
 function cell(row) {
   if (row.lost_at_s !== null) return `lost at ${shown(row.lost_at_s)} s`;
-  return row.watched_s > 0 ? `${shown(row.um_per_s)}; ${shown(row.mrad_per_s)}` : 'gone before';
+  return row.um_per_s !== null ? `${shown(row.um_per_s)}; ${shown(row.mrad_per_s)}` : 'lost before';
 }
 
 export function pageText(rows) {
-  const engines = [...new Set(rows.map(({engine}) => engine))], [mujoco, ours] = engines;
+  const engines = [...new Set(rows.map(({engine}) => engine))], [mujoco, ours, bullet] = engines;
   const of = (engine, setting) => columns.map(column => at(rows, engine, setting, column));
   const held = (engine, setting) => of(engine, setting).filter(row => row.lost_at_s === null && row.watched_s > 0).map(row => row.um_per_s);
   const told = 'elliptic, impratio 100, stiff', exact = 'elliptic, impratio 10, noslip 50 to 1e-12, stiff';
@@ -52,7 +52,8 @@ This page is generated; from the checkout:
 
 <!-- not run: a minute, and MuJoCo from npm -->
 \`\`\`sh
-node comparisons/benchmark/creep/creep.mjs build/release/bin/softfinger --csv docs/measurements/creep.csv --page docs/measurements/creep.md
+node comparisons/benchmark/creep/creep.mjs build/release/bin/softfinger --benchmark build/release/bin/softfinger-benchmark \\
+  --csv docs/measurements/creep.csv --page docs/measurements/creep.md
 \`\`\`
 
 Drift in µm/s; mrad/s, in the frame that holds, over 3 s (2 s after the claw has turned); steps of 2 ms unless stated. "Stiff" are the
@@ -89,7 +90,9 @@ ${byFormula(told, {impratio: 100, timeConstant_s: 0.004, solimp: [0.99, 0.999, 1
   against sinking in. With stiff contacts they help, the more of them the more.
 - **Ours** has no residual velocity. While the claw turns, the bar moves by ${shown(turning.um_per_s)} µm/s: its centre of mass r = 20 mm from the axis moves along the tangent in
   each step, r omega² dt/2 outwards; ${shown(of(ours, 'defaults, step of 0.5 ms')[4].um_per_s)} µm/s with steps of 0.5 ms. It stops with the turn.
-
+${bullet ? `- **${bullet}** lets the cube slide by ${shown(at(rows, bullet, 'defaults', columns.at(-1)).um_per_s)} µm/s. Its contact of a capsule with a face has no torque: the capsule turns freely
+  about the line through the pads. The bar turns out of its pads. There the weight of the bar turns instead of the claw, and the capsule's weight acts with a torque at its centre.
+` : ''}
 MuJoCo is npm's \`@mujoco/mujoco\`; its solver is Newton's by default. What else is set, and the scenes, stand in
 \`comparisons/benchmark/creep\`. Numbers without rounding: [creep.csv](creep.csv).
 `;

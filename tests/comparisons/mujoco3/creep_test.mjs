@@ -57,6 +57,11 @@ const tests = {
     const stiff = drift(12, 'elliptic, stiff'), told = drift(12, 'elliptic, impratio 100, stiff');
     expect(Math.abs(stiff.um_per_s / told.um_per_s / 100 - 1) < 0.05, 'impratio divides the creep');
     expect(told.um_per_s < 1, 'what the page says to set holds');
+    // Each of the four points bears a quarter of the weight.
+    const {bodies: [{mass_kg}, {mass_kg: pad_kg}]} = capsule(12), {um_per_s, sunk_mm} = drift(12, 'elliptic, impratio 100');
+    const formula = 1e6 * residualVelocity_m_per_s({force_N: mass_kg * gravity_m_per_s2 / 4, inverseMass_per_kg: 1 / mass_kg + 1 / pad_kg,
+      penetration_m: 1e-3 * sunk_mm, impratio: 100});
+    expect(Math.abs(um_per_s / formula - 1) < 5e-3, `the capsule slides at ${um_per_s} um/s instead of ${formula}`);
     const [ours] = softfingerRuns.run(softfinger, capsule(12), {});
     console.log(`softfinger simulate: ${ours.um_per_s.toExponential(1)} um/s, ${ours.mrad_per_s.toExponential(1)} mrad/s`);
     expect(ours.um_per_s < 1e-6 && ours.mrad_per_s < 1e-6, 'softfinger simulate does not creep');
