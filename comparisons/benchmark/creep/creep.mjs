@@ -1,8 +1,8 @@
-// node creep.mjs SOFTFINGER [--benchmark BENCHMARK] [--npm NPM] [--packages FOLDER] [--csv FILE] [--page FILE]
+// node creep.mjs SOFTFINGER [--benchmark BENCHMARK] [--npm NPM] [--packages FOLDER] [--csv FILE] [--json FILE] [--page FILE]
 // How much do held things creep in MuJoCo 3 and in `softfinger simulate`, and what has to be set?
 //
-// SOFTFINGER is the program; BENCHMARK, softfinger-benchmark, adds Bullet where it has that; FOLDER keeps MuJoCo from npm (default: build/mujoco3). Without --csv and --page the CSV goes to
-// standard output.
+// SOFTFINGER is the program; BENCHMARK, softfinger-benchmark, adds Bullet where it has that; FOLDER keeps MuJoCo from npm (default: build/mujoco3). Without a FILE the
+// CSV goes to standard output. softfinger-benchmark --creep reads the JSON.
 import {spawnSync} from 'node:child_process';
 import {writeFileSync} from 'node:fs';
 import {parseArgs} from 'node:util';
@@ -13,9 +13,9 @@ import {allScenes} from './scenes.mjs';
 import * as softfingerRuns from './softfinger.mjs';
 
 const {values, positionals} = parseArgs({allowPositionals: true, options: {
-  npm: {type: 'string', default: 'npm'}, packages: {type: 'string', default: 'build/mujoco3'}, benchmark: {type: 'string'}, csv: {type: 'string'}, page: {type: 'string'}}});
+  npm: {type: 'string', default: 'npm'}, packages: {type: 'string', default: 'build/mujoco3'}, benchmark: {type: 'string'}, csv: {type: 'string'}, json: {type: 'string'}, page: {type: 'string'}}});
 if (positionals.length !== 1) {
-  console.error('usage: node creep.mjs SOFTFINGER [--benchmark BENCHMARK] [--npm NPM] [--packages FOLDER] [--csv FILE] [--page FILE]');
+  console.error('usage: node creep.mjs SOFTFINGER [--benchmark BENCHMARK] [--npm NPM] [--packages FOLDER] [--csv FILE] [--json FILE] [--page FILE]');
   process.exit(2);
 }
 const [softfinger] = positionals;
@@ -55,6 +55,7 @@ const columns = Object.keys(rows[0]);
 const cell = value => value === null ? '' : typeof value === 'number' ? String(Number(value.toPrecision(4))) : /,/.test(value) ? `"${value}"` : value;
 const csv = [columns, ...rows.map(row => columns.map(column => row[column]))].map(line => line.map(cell).join(',')).join('\n') + '\n';
 if (values.csv) writeFileSync(values.csv, csv);
+if (values.json) writeFileSync(values.json, JSON.stringify({command: ['node', ...process.argv.slice(1)].join(' '), rows}, null, 1) + '\n');
 if (values.page) writeFileSync(values.page, pageText(rows));
-if (!values.csv && !values.page) process.stdout.write(csv);
+if (!values.csv && !values.json && !values.page) process.stdout.write(csv);
 process.exit(0);
