@@ -74,8 +74,9 @@ int run(int argc, char** argv) {
                  "be repeated")
       ->allow_extra_args(false);
   app.add_option("--page", page, "HTML file to write");
-  app.add_option("--creep", creep,
-                 "JSON file of creep/creep.mjs, holds in MuJoCo 3, for a table on the page");
+  app.add_option(
+      "--creep", creep,
+      "JSON file of creep/creep.mjs, holds in MuJoCo 3 and PhysX 5, for a table on the page");
   app.add_flag("--json", json, "one JSON object on standard output");
   app.footer(
       "Samples:\n  softfinger-benchmark --page benchmark.html\n"

@@ -326,8 +326,9 @@ Scene held_by_pads(Body held, double half_m, const Vector3d& pad_half_size_m, do
 
 constexpr double kDriftSample_s = 0.1;
 
-/// Adds how fast the first body moves and turns along its path, and says that it is lost where it
-/// has moved by 5 mm or turned by 0.5 rad before, or ends 50 mm away.
+/// Adds how fast the first body moves and turns along its path, relative to the middle of its pads,
+/// and says that it is lost where it has moved by 5 mm or turned by 0.5 rad before, or ends 50 mm
+/// away.
 void add_drift(const Engine& engine, Scene scene, double from_s, double to_s,
                const std::string& when, Score& score) {
   scene.duration_s = to_s;
@@ -335,21 +336,27 @@ void add_drift(const Engine& engine, Scene scene, double from_s, double to_s,
   for (int i = 1; i <= count; ++i) scene.sample_times_s.push_back(i * kDriftSample_s);
   const Motion motion = run(engine, scene, score);
   if (motion.samples.size() < scene.sample_times_s.size()) return;
+  // Pads that press with forces may float along their line together, and what they hold with them.
+  const bool has_pads = scene.bodies[1].freedom == Body::Freedom::along_x;
+  std::vector<State> held;
+  for (const std::vector<State>& bodies : motion.samples) {
+    held.push_back(bodies[0]);
+    if (has_pads) held.back().position_m -= (bodies[1].position_m + bodies[2].position_m) / 2;
+  }
   const Vector3d start_m = scene.bodies[0].position_m;
   const auto is_far = [&](const State& state) {
     return (state.position_m - start_m).norm() > 5e-3 ||
            state.orientation.angularDistance(Eigen::Quaterniond::Identity()) > 0.5;
   };
   double moved_m = 0, turned_rad = 0, watched_s = 0;
-  for (auto i = std::size_t(std::lround(from_s / kDriftSample_s)); i < motion.samples.size(); ++i) {
-    const State &before = motion.samples[i - 1][0], &after = motion.samples[i][0];
+  for (auto i = std::size_t(std::lround(from_s / kDriftSample_s)); i < held.size(); ++i) {
+    const State &before = held[i - 1], &after = held[i];
     if (is_far(before)) break;
     moved_m += (after.position_m - before.position_m).norm();
     turned_rad += after.orientation.angularDistance(before.orientation);
     watched_s += kDriftSample_s;
   }
-  const bool is_lost =
-      watched_s == 0 || (motion.samples.back()[0].position_m - start_m).norm() > 0.05;
+  const bool is_lost = watched_s == 0 || (held.back().position_m - start_m).norm() > 0.05;
   const auto speed = [&](double way) { return is_lost ? INFINITY : way / watched_s; };
   score.measured.push_back({"moves " + when, "µm/s", 1e6 * speed(moved_m), 0, when});
   score.measured.push_back({"turns " + when, "mrad/s", 1e3 * speed(turned_rad), 0});

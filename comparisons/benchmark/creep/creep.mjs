@@ -1,29 +1,34 @@
 // node creep.mjs SOFTFINGER [--benchmark BENCHMARK] [--npm NPM] [--packages FOLDER] [--csv FILE] [--json FILE] [--page FILE]
-// How much do held things creep in MuJoCo 3 and in `softfinger simulate`, and what has to be set?
+// How much do held things creep in MuJoCo 3, PhysX 5 and `softfinger simulate`, and what has to be set?
 //
-// SOFTFINGER is the program; BENCHMARK, softfinger-benchmark, adds Bullet where it has that; FOLDER keeps MuJoCo from npm (default: build/mujoco3). Without a FILE the
+// SOFTFINGER is the program; BENCHMARK, softfinger-benchmark, adds Bullet where it has that; FOLDER keeps what comes from npm (default: build/npm). Without a FILE the
 // CSV goes to standard output. softfinger-benchmark --creep reads the JSON.
 import {spawnSync} from 'node:child_process';
 import {writeFileSync} from 'node:fs';
+import {join} from 'node:path';
 import {parseArgs} from 'node:util';
 import {loadMujoco} from '../mujoco3/load_mujoco.mjs';
+import {loadPhysx} from '../physx5/load_physx.mjs';
 import * as mujocoRuns from './mujoco.mjs';
 import {pageText} from './page.mjs';
+import * as physxRuns from './physx.mjs';
 import {allScenes} from './scenes.mjs';
 import * as softfingerRuns from './softfinger.mjs';
 
 const {values, positionals} = parseArgs({allowPositionals: true, options: {
-  npm: {type: 'string', default: 'npm'}, packages: {type: 'string', default: 'build/mujoco3'}, benchmark: {type: 'string'}, csv: {type: 'string'}, json: {type: 'string'}, page: {type: 'string'}}});
+  npm: {type: 'string', default: 'npm'}, packages: {type: 'string', default: 'build/npm'}, benchmark: {type: 'string'}, csv: {type: 'string'}, json: {type: 'string'}, page: {type: 'string'}}});
 if (positionals.length !== 1) {
   console.error('usage: node creep.mjs SOFTFINGER [--benchmark BENCHMARK] [--npm NPM] [--packages FOLDER] [--csv FILE] [--json FILE] [--page FILE]');
   process.exit(2);
 }
 const [softfinger] = positionals;
-const mujoco = await loadMujoco(values.npm, values.packages);
+const mujoco = await loadMujoco(values.npm, join(values.packages, 'mujoco3'));
+const physx = new physxRuns.Physx(await loadPhysx(values.npm, join(values.packages, 'physx5')));
 const engines = [
   {name: `MuJoCo ${mujoco.mj_versionString()}`, settings: mujocoRuns.settings, run: (...words) => mujocoRuns.run(mujoco, ...words)},
   {name: spawnSync(softfinger, ['--version'], {encoding: 'utf8'}).stdout.trim(), settings: softfingerRuns.settings,
     run: (...words) => softfingerRuns.run(softfinger, ...words)},
+  {name: `PhysX ${physx.version}`, settings: physxRuns.settings, run: (...words) => physx.run(...words)},
 ];
 
 /** The same holds in Bullet, which has a number for each of the watches, in their order. */

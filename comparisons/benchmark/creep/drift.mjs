@@ -1,4 +1,4 @@
-// The drift of a held body: how fast it moves and turns in the frame that holds it.
+// The drift of a held body: how fast it moves and turns in the frame that holds it, relative to the middle of its pads.
 //
 // A pose is {p: [x, y, z], q: [w, x, y, z]}.
 
@@ -61,11 +61,14 @@ export class Watch {
   isDue(step) { return step % this.every === 0; }
 
   add(step, poses) {
-    const pose = this.frame < 0 ? poses[this.tracked] : relative(poses[this.frame], poses[this.tracked]);
-    this.samples.push({time_s: step * this.scene.timeStep_s, pose});
+    const held = index => this.frame < 0 ? poses[index] : relative(poses[this.frame], poses[index]), pose = held(this.tracked);
+    // Pads that press with forces may float along their line together, and what they hold with them.
+    const {bodies, timeStep_s} = this.scene, pads = bodies.flatMap(({joint}, i) => joint?.kind === 'slide' ? [i] : []);
+    for (const pad of pads) pose.p = minus(pose.p, minus(held(pad).p, bodies[pad].position_m).map(x => x / pads.length));
+    this.samples.push({time_s: step * timeStep_s, pose});
     // Before the weight acts, the way of what presses is what the contact gives way by.
     if (this.samples.at(-1).time_s < weightRises_s[0] + 1e-9) {
-      const {position_m, joint, push_N} = this.scene.bodies[this.presser];
+      const {position_m, joint, push_N} = bodies[this.presser];
       const along = joint ? joint.axis : push_N.map(x => x / Math.hypot(...push_N));
       this.sunk_m = minus(poses[this.presser].p, position_m).reduce((sum, x, i) => sum + x * along[i], 0);
     }
