@@ -40,7 +40,7 @@ export function pageText(rows) {
 At its defaults ${mujoco} lets what it holds slide by ${range(held(mujoco, 'defaults'))} µm/s and loses a capsule that is
 pinched by ${lostAt_N.join(' and ')} N; told \`cone="elliptic" impratio="100"\` and \`solref="0.004 1" solimp="0.99 0.999 0.001"\`, by at most
 ${shown(Math.max(...held(mujoco, told)))} µm/s; ${physx} with the TGS solver by at most ${shown(Math.max(...held(physx, 'TGS')))} µm/s; \`softfinger simulate\` by at most ${shown(Math.max(...still.map(row => row.um_per_s)))} µm/s
-with nothing set, but for a claw that turns.
+with nothing set, and by ${shown(turning.um_per_s)} µm/s while a claw turns, which is an error of its time step.
 
 \`\`\`xml
 <option cone="elliptic" impratio="100"/>
@@ -101,6 +101,6 @@ ${bullet ? `- **${bullet}** lets the cube slide by ${shown(at(rows, bullet, 'def
   acts with a torque at its centre.
 ` : ''}
 MuJoCo is npm's \`@mujoco/mujoco\`; its solver is Newton's by default. PhysX is \`physx-js-webidl\`, with 4 iterations unless stated. What else is set, and the scenes, stand in
-\`comparisons/benchmark/creep\`. Numbers without rounding: [creep.csv](creep.csv).
+\`comparisons/benchmark/creep\`. More digits: [creep.csv](creep.csv).
 `;
 }
