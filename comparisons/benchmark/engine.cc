@@ -11,6 +11,15 @@ namespace softfinger::benchmark {
 Eigen::Vector3d Body::inertia_kg_m2() const {
   const Eigen::Vector3d square = half_size_m.cwiseAbs2();
   if (shape == Shape::ball) return 0.4 * mass_kg * square;
+  if (shape == Shape::capsule) {
+    const double radius_m = half_size_m.x(), half_m = half_size_m.y();
+    const double cylinder_kg = mass_kg * half_m / (half_m + 2 * radius_m / 3);
+    const double caps_kg = mass_kg - cylinder_kg;
+    const double along = square.x() * (cylinder_kg / 2 + 0.4 * caps_kg);
+    const double across = cylinder_kg * (square.x() / 4 + square.y() / 3) +
+                          caps_kg * (0.4 * square.x() + square.y() + 0.75 * half_m * radius_m);
+    return {across, along, across};
+  }
   return mass_kg / 3 * (square.sum() - square.array()).matrix();
 }
 
@@ -44,7 +53,7 @@ double pad_eccentricity_m(const ContactProblem& contact, const Body& pad) {
 }
 
 Eigen::Vector3d exported_half_size_m(const Scene& scene, const Body& body) {
-  if (!body.is_fingertip || body.shape == Body::Shape::ball) return body.half_size_m;
+  if (!body.is_fingertip || body.shape != Body::Shape::box) return body.half_size_m;
   exporting::PadFace face;
   face.length_m = 2 * body.half_size_m.y();
   face.width_m = 2 * body.half_size_m.z();

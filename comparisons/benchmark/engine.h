@@ -12,13 +12,15 @@
 namespace softfinger::benchmark {
 
 struct Body {
-  enum class Shape { ball, box };
+  enum class Shape { ball, box, capsule };
   enum class Freedom { none, along_x, all };
   std::string name;
   Shape shape = Shape::box;
-  Eigen::Vector3d half_size_m = Eigen::Vector3d::Zero();  ///< of a ball: its radius, three times
-  double mass_kg = 0;                                     ///< homogeneous
-  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();   ///< at the start, unturned, at rest
+  /// A ball has its radius three times; a capsule, along y, has its radius, half the distance of
+  /// the caps' centres, and its radius again.
+  Eigen::Vector3d half_size_m = Eigen::Vector3d::Zero();
+  double mass_kg = 0;                                    ///< homogeneous
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();  ///< at the start, unturned, at rest
   Freedom freedom = Freedom::all;
   /// Carries the scene's soft layer. A box presses with a side across x: a flat pad.
   bool is_fingertip = false;

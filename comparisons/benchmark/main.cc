@@ -65,14 +65,18 @@ int run(int argc, char** argv) {
       "The same problems of soft contacts in several simulators: error against the truth, "
       "and speed.",
       "softfinger-benchmark");
-  std::string page;
+  std::string page, creep;
   std::vector<std::string> engines, problems;
   bool json = false;
   app.add_option("--engine", engines, "only this one; may be repeated")->allow_extra_args(false);
   app.add_option("--problem", problems,
-                 "only this one: pinch, twist, grip, tilt, held or stack; may be repeated")
+                 "only this one: pinch, twist, grip, tilt, held, stack, capsule, claw or wall; may "
+                 "be repeated")
       ->allow_extra_args(false);
   app.add_option("--page", page, "HTML file to write");
+  app.add_option(
+      "--creep", creep,
+      "JSON file of creep/creep.mjs, holds in MuJoCo 3 and PhysX 5, for a table on the page");
   app.add_flag("--json", json, "one JSON object on standard output");
   app.footer(
       "Samples:\n  softfinger-benchmark --page benchmark.html\n"
@@ -85,6 +89,9 @@ int run(int argc, char** argv) {
   Results results;
   results.engines = chosen(all_engines(), engines, "--engine");
   results.problems = chosen(all_problems(), problems, "--problem");
+  constexpr std::size_t kMostBytes = 10'000'000;
+  if (!creep.empty())
+    results.drifts = read_drifts(system::read_text_file(creep, kMostBytes), creep);
   results.version = "softfinger " + system::program_version() + ", " + system::compiler() + ", " +
                     system::build_type();
   results.command = "softfinger-benchmark";

@@ -296,6 +296,133 @@ Score grip(const Engine& engine) {
   return score;
 }
 
+/// Capsule, claw and wall are the holds of creep/scenes.mjs, turned so that pads move along x. The
+/// weight acts at the centre of a body, with its torque, where that file shifts the centre of mass.
+constexpr double kHoldFriction = 0.8, kPadMass_kg = 0.1, kHoldStep_s = 2e-3;
+
+/// Adds what rises along a straight line, in steps.
+void add_rising(Scene& scene, int body, double from_s, double to_s, const Vector3d& force_N,
+                const Vector3d& torque_Nm = Vector3d::Zero()) {
+  constexpr int kSteps = 50;
+  for (int i = 1; i <= kSteps; ++i)
+    scene.loads.push_back({body, from_s + (to_s - from_s) * i / kSteps, force_N * i / kSteps,
+                           torque_Nm * i / kSteps});
+}
+
+/// Two pads beside a body of half thickness `half_m` press on it from the start on.
+Scene held_by_pads(Body held, double half_m, const Vector3d& pad_half_size_m, double grip_N) {
+  Scene scene;
+  scene.time_step_s = kHoldStep_s;
+  scene.rigid_friction_coefficient = kHoldFriction;
+  const double at_m = half_m + pad_half_size_m.x();
+  scene.bodies = {std::move(held), box("left", pad_half_size_m, kPadMass_kg, {-at_m, 0, 0}),
+                  box("right", pad_half_size_m, kPadMass_kg, {at_m, 0, 0})};
+  for (const int pad : {1, 2}) {
+    scene.bodies[std::size_t(pad)].freedom = Body::Freedom::along_x;
+    add_rising(scene, pad, 0, 0.2, {pad == 1 ? grip_N : -grip_N, 0, 0});
+  }
+  return scene;
+}
+
+constexpr double kDriftSample_s = 0.1;
+
+/// Adds how fast the first body moves and turns along its path, relative to the middle of its pads,
+/// and says that it is lost where it has moved by 5 mm or turned by 0.5 rad before, or ends 50 mm
+/// away.
+void add_drift(const Engine& engine, Scene scene, double from_s, double to_s,
+               const std::string& when, Score& score) {
+  scene.duration_s = to_s;
+  const int count = int(std::lround(to_s / kDriftSample_s));
+  for (int i = 1; i <= count; ++i) scene.sample_times_s.push_back(i * kDriftSample_s);
+  const Motion motion = run(engine, scene, score);
+  if (motion.samples.size() < scene.sample_times_s.size()) return;
+  // Pads that press with forces may float along their line together, and what they hold with them.
+  const bool has_pads = scene.bodies[1].freedom == Body::Freedom::along_x;
+  std::vector<State> held;
+  for (const std::vector<State>& bodies : motion.samples) {
+    held.push_back(bodies[0]);
+    if (has_pads) held.back().position_m -= (bodies[1].position_m + bodies[2].position_m) / 2;
+  }
+  const Vector3d start_m = scene.bodies[0].position_m;
+  const auto is_far = [&](const State& state) {
+    return (state.position_m - start_m).norm() > 5e-3 ||
+           state.orientation.angularDistance(Eigen::Quaterniond::Identity()) > 0.5;
+  };
+  double moved_m = 0, turned_rad = 0, watched_s = 0;
+  for (auto i = std::size_t(std::lround(from_s / kDriftSample_s)); i < held.size(); ++i) {
+    const State &before = held[i - 1], &after = held[i];
+    if (is_far(before)) break;
+    moved_m += (after.position_m - before.position_m).norm();
+    turned_rad += after.orientation.angularDistance(before.orientation);
+    watched_s += kDriftSample_s;
+  }
+  const bool is_lost = watched_s == 0 || (held.back().position_m - start_m).norm() > 0.05;
+  const auto speed = [&](double way) { return is_lost ? INFINITY : way / watched_s; };
+  score.measured.push_back({"moves " + when, "µm/s", 1e6 * speed(moved_m), 0, when});
+  score.measured.push_back({"turns " + when, "mrad/s", 1e3 * speed(turned_rad), 0});
+}
+
+Score capsule(const Engine& engine) {
+  Score score;
+  for (const double grip_N : {12, 24, 36, 60}) {
+    Body held;
+    held.name = "capsule";
+    held.shape = Body::Shape::capsule;
+    held.half_size_m = {0.01, 0.03, 0.01};
+    held.mass_kg = 0.045;
+    Scene scene = held_by_pads(held, 0.01, {0.01, 0.01, 0.015}, grip_N);
+    const double weight_N = held.mass_kg * kGravity_m_per_s2;
+    add_rising(scene, 0, 0.3, 0.4, {0, 0, -weight_N}, {-weight_N * 8e-3, 0, 0});
+    add_drift(engine, scene, 1, 4, fmt::format("at {:g} N", grip_N), score);
+    // The overview has room for the weakest and the strongest grip.
+    if (!score.measured.empty() && grip_N > 12 && grip_N < 60)
+      score.measured[score.measured.size() - 2].verb.clear();
+  }
+  return score;
+}
+
+Score claw(const Engine& engine) {
+  const Body bar = box("bar", {0.005, 0.01, 0.1}, 0.1, Vector3d::Zero());
+  Scene scene = held_by_pads(bar, 0.005, {0.01, 0.01, 0.01}, 20);
+  scene.contact.layer = {2e-3, 300e3, 0.49};
+  scene.contact.load = {20, kHoldFriction};
+  scene.bodies[1].is_fingertip = scene.bodies[2].is_fingertip = true;
+  // In the claw's frame the weight turns, at a point 20 mm from the line through the pads.
+  const Vector3d point_m(0, 0, -0.02);
+  const double weight_N = bar.mass_kg * kGravity_m_per_s2;
+  const auto weight = [&](double angle_rad) -> Vector3d {
+    return weight_N * Vector3d(0, -std::sin(angle_rad), -std::cos(angle_rad));
+  };
+  add_rising(scene, 0, 0.3, 0.4, weight(0), point_m.cross(weight(0)));
+  constexpr int kSteps = 300;
+  for (int i = 1; i <= kSteps; ++i) {
+    const double x = double(i) / kSteps, angle_rad = kPi * x * x * x * (10 + x * (6 * x - 15));
+    scene.loads.push_back({0, 1 + 3 * x, weight(angle_rad), point_m.cross(weight(angle_rad))});
+  }
+  Score score;
+  add_drift(engine, scene, 1, 4, "while it turns", score);
+  add_drift(engine, scene, 4, 6, "afterwards", score);
+  return score;
+}
+
+Score wall(const Engine& engine) {
+  constexpr double kHalf_m = 0.02;
+  Scene scene;
+  scene.time_step_s = kHoldStep_s;
+  scene.rigid_friction_coefficient = kHoldFriction;
+  scene.bodies = {box("cube", Vector3d::Constant(kHalf_m), 0.1, {-kHalf_m, 0, 0}),
+                  box("wall", {0.05, 0.2, 0.2}, 0, {0.05, 0, 0})};
+  const Vector3d push_N(10, 0, 0), weight_N(0, 0, -0.1 * kGravity_m_per_s2);
+  add_rising(scene, 0, 0, 0.2, push_N);
+  constexpr int kSteps = 50;
+  for (int i = 1; i <= kSteps; ++i)
+    scene.loads.push_back(
+        {0, 0.3 + 0.1 * i / kSteps, push_N + weight_N * i / kSteps, Vector3d::Zero()});
+  Score score;
+  add_drift(engine, scene, 1, 4, "at 10 N", score);
+  return score;
+}
+
 }  // namespace
 
 const Measured* Score::worst() const {
@@ -340,7 +467,18 @@ const std::vector<Problem>& all_problems() {
       {"stack",
        "Five boxes on each other, each twice as heavy as the one below: how far do they sink into "
        "each other in the first second, and how far do they move in the 60 s after it?",
-       "rigid boxes at rest neither sink nor move", false, stack}};
+       "rigid boxes at rest neither sink nor move", false, stack},
+      {"capsule",
+       "Two flat pads pinch a capsule of 45 g, 8 mm beside its centre of mass, with 12 to 60 N: "
+       "how "
+       "fast does it move and turn?",
+       "a held contact does not move", false, capsule},
+      {"claw",
+       "Two flat rubber pads hold a bar of 100 g with 20 N, 20 mm beside its centre of mass, in a "
+       "claw that turns by half a turn within 3 s: how fast does it move and turn in the claw?",
+       "a held contact does not move", false, claw},
+      {"wall", "A cube of 100 g is pressed on an upright wall with 10 N: how fast does it slide?",
+       "a held contact does not move", false, wall}};
   return problems;
 }
 

@@ -12,7 +12,7 @@ struct Measured {
   std::string what;  ///< "slip torque at 0.2 N"
   std::string unit;
   double value = 0, truth = 0;
-  std::string verb = {};  ///< for the overview of what should be zero: "moved"
+  std::string verb = {};  ///< for the overview of what should be zero: "moved"; empty: left out
   double error() const { return truth == 0 ? value : value / truth - 1; }  ///< absolute for truth 0
 };
 
@@ -45,7 +45,7 @@ struct TruthBound {
 /// One bound at each load of the twist.
 std::vector<TruthBound> bounds_of_the_truth();
 
-/// Pinch, twist, tilt, held for 60 s, stack.
+/// Pinch, twist, grip, tilt, held for 60 s, stack; the holds of creep/: capsule, claw, wall.
 const std::vector<Problem>& all_problems();
 
 }  // namespace softfinger::benchmark

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -9,12 +10,25 @@
 
 namespace softfinger::benchmark {
 
+/// The creep of a hold, measured by creep/creep.mjs in engines that are not linked here.
+struct Drift {
+  std::string engine, setting, scene;
+  double load_N = 0, from_s = 0, to_s = 0;
+  double moves_um_per_s = NAN, turns_mrad_per_s = NAN;  ///< NaN: lost
+};
+
+/// Reads what `creep.mjs --json` writes.
+/// @param where  names the file in a message
+/// @throws InputError for anything else.
+std::vector<Drift> read_drifts(const std::string& text, const std::string& where);
+
 /// All problems of all engines.
 struct Results {
   std::vector<const Engine*> engines;
   std::vector<const Problem*> problems;
   std::vector<std::vector<Score>> scores;  ///< by engine, then by problem
   std::string version, machine, command;
+  std::vector<Drift> drifts;  ///< empty: none were read
 };
 
 /// "+0.01 %", "0.02 mm": the largest error. Empty without one.

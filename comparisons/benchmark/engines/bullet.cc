@@ -64,6 +64,9 @@ Motion run(const Scene& scene) {
   for (const Body& body : scene.bodies) {
     if (body.shape == Body::Shape::ball)
       shapes.push_back(std::make_unique<btSphereShape>(real(body.half_size_m.x())));
+    else if (body.shape == Body::Shape::capsule)
+      shapes.push_back(std::make_unique<btCapsuleShape>(real(body.half_size_m.x()),
+                                                        real(2 * body.half_size_m.y())));
     else
       shapes.push_back(std::make_unique<btBoxShape>(vector(exported_half_size_m(scene, body))));
     bodies.push_back(made_body(scene, body, *shapes.back()));

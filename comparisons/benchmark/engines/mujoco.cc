@@ -42,6 +42,18 @@ std::string friction(const Scene& scene, const Body& body, Kind kind) {
   }
 }
 
+/// A shape's type; MuJoCo's capsules lie along z.
+const char* type_text(Body::Shape shape) {
+  switch (shape) {
+    case Body::Shape::ball:
+      return "\"sphere\"";
+    case Body::Shape::capsule:
+      return "\"capsule\" euler=\"-90 0 0\"";
+    default:
+      return "\"box\"";
+  }
+}
+
 std::string model_text(const Scene& scene, Kind kind) {
   const bool is_exported = kind == Kind::exported || kind == Kind::plugin;
   std::string text = fmt::format("<mujoco><option timestep=\"{:.17g}\" gravity=\"{}\"{}{}/>",
@@ -64,8 +76,8 @@ std::string model_text(const Scene& scene, Kind kind) {
   text += "<worldbody>";
   for (const Body& body : scene.bodies) {
     const std::string geom = fmt::format(
-        "<geom name=\"{}\" type=\"{}\" size=\"{}\" mass=\"{:.17g}\" {}/>", body.name,
-        body.shape == Body::Shape::ball ? "sphere" : "box",
+        "<geom name=\"{}\" type={} size=\"{}\" mass=\"{:.17g}\" {}/>", body.name,
+        type_text(body.shape),
         numbers(is_exported ? exported_half_size_m(scene, body) : body.half_size_m), body.mass_kg,
         body.is_fingertip ? friction(scene, body, kind)
                           : fmt::format("friction=\"{:.17g}\"", scene.rigid_friction_coefficient));

@@ -36,6 +36,19 @@ std::string force_text(const Scene& scene, int body) {
                      scene.bodies[std::size_t(body)].name, times, forces, torques);
 }
 
+std::string shape_text(const Body& body) {
+  const Eigen::Vector3d half_mm = 1e3 * body.half_size_m;
+  switch (body.shape) {
+    case Body::Shape::ball:
+      return fmt::format("sphere_radius_mm = {:.17g}", half_mm.x());
+    case Body::Shape::capsule:
+      return fmt::format("capsule_radius_length_mm = [{:.17g}, {:.17g}], rotation_deg = [90, 0, 0]",
+                         half_mm.x(), 2 * half_mm.y());
+    default:
+      return "box_size_mm = " + numbers(2 * half_mm);
+  }
+}
+
 std::string scene_text(const Scene& scene, bool is_soft) {
   const ContactProblem& contact = scene.contact;
   std::string text = fmt::format(
@@ -51,12 +64,8 @@ std::string scene_text(const Scene& scene, bool is_soft) {
   std::string rest;
   for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const Body& body = scene.bodies[i];
-    const bool is_ball = body.shape == Body::Shape::ball;
-    text += fmt::format("[[body]]\nname = \"{}\"\nposition_mm = {}\nshapes = [{{ {} = {} }}]\n",
-                        body.name, numbers(1e3 * body.position_m),
-                        is_ball ? "sphere_radius_mm" : "box_size_mm",
-                        is_ball ? fmt::format("{:.17g}", 1e3 * body.half_size_m.x())
-                                : numbers(2e3 * body.half_size_m));
+    text += fmt::format("[[body]]\nname = \"{}\"\nposition_mm = {}\nshapes = [{{ {} }}]\n",
+                        body.name, numbers(1e3 * body.position_m), shape_text(body));
     text += body.freedom == Body::Freedom::none
                 ? std::string("fixed = true\n")
                 : fmt::format("mass_g = {:.17g}\n", 1e3 * body.mass_kg);

@@ -5,7 +5,7 @@
 // MuJoCo's friction is soft, so that the criteria are accelerations. The simulator's largest torque is
 // what the applied one is less inertia times acceleration. FOLDER keeps the package from npm.
 import {spawnSync} from 'node:child_process';
-import {loadMujoco} from './load_mujoco.mjs';
+import {loadMujoco} from '../../../comparisons/benchmark/mujoco3/load_mujoco.mjs';
 
 const [test, softfinger, npm, folder] = process.argv.slice(2);
 

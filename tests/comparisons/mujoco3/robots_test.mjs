@@ -6,7 +6,7 @@ import {spawnSync} from 'node:child_process';
 import {mkdtempSync, readFileSync, readdirSync, rmSync, statSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {basename, dirname, join, relative, resolve} from 'node:path';
-import {loadMujoco} from './load_mujoco.mjs';
+import {loadMujoco} from '../../../comparisons/benchmark/mujoco3/load_mujoco.mjs';
 
 const [program, npm, folder, ...files] = process.argv.slice(2);
 

@@ -5,24 +5,9 @@
 // The largest torque and force of friction are the applied ones less inertia and mass times acceleration. FOLDER keeps
 // the package from npm.
 import {spawnSync} from 'node:child_process';
-import {readFileSync} from 'node:fs';
-import {dirname, join} from 'node:path';
-import {fileURLToPath, pathToFileURL} from 'node:url';
-import {fetchPackages} from '../fetch_packages.mjs';
+import {loadPhysx} from '../../../comparisons/benchmark/physx5/load_physx.mjs';
 
 const [test, softfinger, npm, folder] = process.argv.slice(2);
-
-/** PhysX as WebAssembly. The package is built for pages: it looks for a window, and for no process. */
-async function loadPhysx() {
-  fetchPackages(dirname(fileURLToPath(import.meta.url)), npm, folder, 'physx-js-webidl');
-  const path = join(folder, 'node_modules', 'physx-js-webidl');
-  const wasmBinary = readFileSync(join(path, 'physx-js-webidl.wasm')), node = globalThis.process;
-  globalThis.window = globalThis;
-  Object.defineProperty(globalThis, 'process', {value: undefined, configurable: true, writable: true});
-  const made = await (await import(pathToFileURL(join(path, 'physx-js-webidl.mjs')))).default({wasmBinary});
-  globalThis.process = node;
-  return made;
-}
 
 /** What the program prints as JSON. */
 function ask(...words) {
@@ -35,7 +20,7 @@ function ask(...words) {
 const timeStep_s = 1e-3, finger = {mass_kg: 0.02, radius_m: 0.02};
 const fingerInertia_kgm2 = 0.4 * finger.mass_kg * finger.radius_m ** 2;
 
-const PhysX = await loadPhysx();
+const PhysX = await loadPhysx(npm, folder);
 const foundation = PhysX.CreateFoundation(PhysX.PHYSICS_VERSION, new PhysX.PxDefaultAllocator(), new PhysX.PxDefaultErrorCallback());
 const scale = new PhysX.PxTolerancesScale(), physics = PhysX.CreatePhysics(PhysX.PHYSICS_VERSION, foundation, scale);
 const vector = (x, y, z) => new PhysX.PxVec3(x, y, z);

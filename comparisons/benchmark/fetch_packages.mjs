@@ -1,4 +1,4 @@
-// Fetches a test's packages from npm by the checksums of its package-lock.json.
+// Fetches packages from npm by the checksums of a package-lock.json.
 import {spawnSync} from 'node:child_process';
 import {copyFileSync, existsSync, mkdirSync, readFileSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
