@@ -51,13 +51,6 @@ std::string model_json(const PressureModel& model, const Answer& answer, const Q
       objections.text());
 }
 
-Prediction pressed_with_friction(const PressureModel& model, const ContactProblem& problem,
-                                 const Prediction& frictionless) {
-  return frictionless.has_answer && knows_pressing_friction(model)
-             ? rubbed(model, frictionless, problem, problem.load.friction_coefficient)
-             : frictionless;
-}
-
 std::string profile_json(const PressureModel& model, const ContactProblem& problem,
                          const Prediction& pressed) {
   // Steps that are shorter towards the edge, where the pressure of most models falls steeply.
@@ -115,7 +108,8 @@ std::string simulators_json(const PressureModel& model, const ContactProblem& pr
   const auto indentation_at = [&](double load_N) {
     ContactProblem other = problem;
     other.load.normal_force_N = load_N;
-    return pressed_with_friction(model, other, model.predict(other)).indentation_m;
+    return as_pressed(model, model.predict(other), other, other.load.friction_coefficient)
+        .indentation_m;
   };
   using exporting::kLoadStep;
   contact.normal_stiffness_N_per_m = exporting::normal_stiffness_N_per_m(
@@ -155,7 +149,7 @@ std::string answer(const Question& question) {
     const int place = int(answers.size());
     Answer told;
     told.prediction = model->predict(problem);
-    told.pressed = pressed_with_friction(*model, problem, told.prediction);
+    told.pressed = as_pressed(*model, told.prediction, problem, problem.load.friction_coefficient);
     told.bound = error_bound(*model, problem, problem.load.friction_coefficient);
     if (told.prediction.has_answer && !knows_pressing_friction(*model))
       told.prediction.validity.add(check_frictionless_pressing(*model, told.prediction, problem,

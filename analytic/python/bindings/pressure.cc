@@ -50,14 +50,6 @@ py::array_t<int> default_models(const py::dict& numbers) {
   return result;
 }
 
-/// A model's answer with the friction that acts while pressing, where the model knows it.
-Prediction as_pressed(const PressureModel& model, const Prediction& frictionless,
-                      const ContactProblem& problem, double friction_coefficient) {
-  return frictionless.has_answer && knows_pressing_friction(model)
-             ? rubbed(model, frictionless, problem, friction_coefficient)
-             : frictionless;
-}
-
 /// Predicts one contact at a time: predict_batch handles one model and rigid objects only.
 void predict_each(const AskedModel& model, const Contacts& contacts,
                   const PredictionBatch& answers) {

@@ -20,14 +20,15 @@ std::optional<py::dict> taxels(const std::string& name, const py::dict& numbers,
   const Contacts contacts(numbers);
   const ContactProblem problem = contacts.problem(0);
   // A solved pressure is known without friction alone.
-  const bool is_rubbed = model.card().hot_path && knows_pressing_friction(model);
+  const bool may_be_rubbed = model.card().hot_path;
   taxels::ModelReadings read;
   Prediction prediction;
   {
     const py::gil_scoped_release others_may_run;
     prediction = model.predict(problem);
-    if (prediction.has_answer && is_rubbed)
-      prediction = rubbed(model, prediction, problem, contacts.pressing_friction_coefficient(0));
+    if (may_be_rubbed)
+      prediction =
+          as_pressed(model, prediction, problem, contacts.pressing_friction_coefficient(0));
     if (prediction.has_answer)
       read = taxels::read_taxels(model, problem, prediction, columns, rows, pitch_m, depth_m);
   }

@@ -27,9 +27,8 @@ ErrorBound error_bound(const PressureModel& model, const ContactProblem& problem
   const Prediction frictionless = model.predict(problem);
   ErrorBound result = error_bound(problem, frictionless);
   if (!result.known || !(pressing_friction_coefficient > 0)) return result;
-  const Prediction pressed = knows_pressing_friction(model) ? rubbed(model, frictionless, problem,
-                                                                     pressing_friction_coefficient)
-                                                            : frictionless;
+  const Prediction pressed =
+      as_pressed(model, frictionless, problem, pressing_friction_coefficient);
   const BoundedErrors missed = missed_of_pressing_friction(
       model, problem, pressing_friction_coefficient, frictionless, pressed);
   for (std::size_t q = 0; q < kBoundedQuantities; ++q) result.bound[q] += missed[q];

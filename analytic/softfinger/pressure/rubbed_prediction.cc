@@ -129,6 +129,13 @@ bool knows_pressing_friction(const PressureModel& model) noexcept {
   return card.layer_constants == LayerConstants::all && !card.is_empirical;
 }
 
+Prediction as_pressed(const PressureModel& model, const Prediction& frictionless,
+                      const ContactProblem& problem, double friction_coefficient) noexcept {
+  return frictionless.has_answer && knows_pressing_friction(model)
+             ? rubbed(model, frictionless, problem, friction_coefficient)
+             : frictionless;
+}
+
 ValidityCheck check_frictionless_pressing(const PressureModel& model,
                                           const Prediction& frictionless,
                                           const ContactProblem& problem,
@@ -139,8 +146,9 @@ ValidityCheck check_frictionless_pressing(const PressureModel& model,
       rubbed(model, frictionless, problem, friction_coefficient).indentation_m;
   return {
       "frictionless_pressing", 1 - indentation_m / frictionless.indentation_m, kCounts, true,
-      "presses without friction; with it the indentation is smaller by this share, in linear "
-      "elasticity. fingertip_layer, bonded_layer and the finite elements (softfinger fem) press "
+      "presses without friction, which would make the indentation smaller by more than half of the "
+      "default tolerance, in linear elasticity. fingertip_layer, bonded_layer and the finite "
+      "elements (softfinger fem) press "
       "with friction"};
 }
 

@@ -75,6 +75,11 @@ double rubbed_pressure_Pa(const PressureModel& model, const ContactProblem& prob
 /// Whether a model's answers are those of an elastic layer, which the ratios are for.
 bool knows_pressing_friction(const PressureModel& model) noexcept;
 
+/// A model's prediction with the friction that acts while pressing, where the model knows it and
+/// has an answer; else what is given.
+Prediction as_pressed(const PressureModel& model, const Prediction& frictionless,
+                      const ContactProblem& problem, double friction_coefficient) noexcept;
+
 /// For a model that does not know it: the share by which friction makes the indentation smaller, in
 /// linear elasticity, which holds below half of the default tolerance.
 /// @param frictionless  an answer of the model

@@ -8,7 +8,7 @@
 
 #include "softfinger/input/errors.h"
 #include "tests/fuzz/target.h"
-#ifdef SOFTFINGER_HAS_ROBOT_READERS
+#if defined(SOFTFINGER_HAS_MUJOCO) && defined(SOFTFINGER_HAS_URDFDOM)
 #include "comparisons/input/scene.h"
 #include "comparisons/robots/mjcf_file.h"
 #include "comparisons/robots/urdf_scene.h"
@@ -17,7 +17,7 @@
 namespace softfinger::fuzz {
 namespace {
 
-#ifdef SOFTFINGER_HAS_ROBOT_READERS
+#if defined(SOFTFINGER_HAS_MUJOCO) && defined(SOFTFINGER_HAS_URDFDOM)
 /// The readers want a file's name: a file in memory has one.
 class MemoryFile {
  public:
