@@ -46,6 +46,5 @@ ctest --preset "$preset" -j "$(nproc)" -L browser --repeat until-pass:2
 # The preset builds what the fast tests need and no more.
 cmake --preset sanitized -DSOFTFINGER_BUILD_TESTS=ON
 cmake --build --preset sanitized
-# Whole comparisons, and statistics of thousands of answers, take minutes there and run above; their parts are all here.
-ctest --preset sanitized -j "$(nproc)" -L fast -E '^(Compare|Assessment|Benchmark|SceneChoice)\.'
+ctest --preset sanitized -j "$(nproc)" -L fast
 tests/build_cost.py report "build/$preset" build/sanitized

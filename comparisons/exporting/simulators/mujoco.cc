@@ -77,6 +77,11 @@ Simulator mujoco_simulator() {
        "noslip_iterations does nothing where bodies can only move along the contact's normal and "
        "turn about it (a slide and a hinge): give one of them a joint across the normal, however "
        "stiff",
+       "the default solref and solimp are soft: a capsule of 45 g that two pads pinch with 36 N "
+       "sinks "
+       "in by 6 mm and is lost, with noslip_iterations too; where no stiffness is wanted, "
+       "solref=\"0.004 1\" (two time steps) and solimp=\"0.99 0.999 0.001\" hold it "
+       "(docs/measurements/creep.md)",
        "the torques of several contact points of one pair add up",
        "solref and solimp are divided by masses: softfinger apply --effective-mass-g finds those "
        "that "
