@@ -214,7 +214,9 @@ std::optional<NextStep> structural(const input::Case& contact_case, const ModelA
   const std::string compare = "softfinger compare " + as_typed(contact_case);
   if (contact_case.object_layer.thickness_m > 0)
     return NextStep{"there are two layers, and errors are known for one",
-                    "leave out the stiffer one of [layer] and [object_layer]"};
+                    "softfinger fem " + as_typed(contact_case) +
+                        " presses both, flat and in linear theory, as --model layer_fft does; or "
+                        "leave out a layer that hardly gives way"};
   if (is_stack(contact_case) && answer && !answer->model->knows_stacks())
     return NextStep{"the layer is a stack, and this model knows one material",
                     contact_case.sublayers.size() <= LayerStack::kMost

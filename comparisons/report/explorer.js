@@ -110,13 +110,30 @@ function drawPressure(answer) {
   picture.describe(`Pressure, ${number(peak)} kPa at the centre`);
 }
 
-function drawLimit(answer) {
+// How far inputs usually are off: E by a factor of 2, thickness and friction by 10 %, one at a time.
+const usualDoubts = [["E", 2], ["E", 1 / 2], ["h", 1.1], ["h", 1 / 1.1], ["mu", 1.1], ["mu", 1 / 1.1]];
+// Smallest and largest force and torque of the model that is drawn; null where it has no answer for one of them.
+function doubtOf(answer) {
+  const limits = [answer.limit, ...usualDoubts.map(([key, factor]) =>
+    library.ask([...sliders.map((slider) => state[slider.key] * slider.si_per_unit * (slider.key === key ? factor : 1)), answer.shown, ...shape]).limit)];
+  if (limits.some((limit) => !limit)) return null;
+  const [forces, torques] = ["max_force_N", "max_torque_Nm"].map((key) => limits.map((limit) => limit[key]));
+  return {least: [Math.min(...forces), Math.min(...torques)], most: [Math.max(...forces), Math.max(...torques)]};
+}
+
+function drawLimit(answer, doubt) {
   const picture = pictures.limit, {along_long, along_short, max_force_N, max_torque_Nm} = answer.limit;
   const colour = models[answer.shown].colour;
-  picture.axes([0, roundUp(1.02 * max_force_N)], [0, roundUp(1.02e3 * max_torque_Nm)], "force, N →", "↑ torque, mN·m");
+  // With room for the band, which comes once a slider rests.
+  const room = 1.12;
+  picture.axes([0, roundUp(room * max_force_N)], [0, roundUp(1e3 * room * max_torque_Nm)], "force, N →", "↑ torque, mN·m");
   const quarter = along_long.map((_, i) => i / (along_long.length - 1) * Math.PI / 2);
   const milli = ([force, torque]) => [force, 1e3 * torque];
   picture.begin();
+  if (doubt) {
+    const arc = ([force, torque]) => quarter.map((t) => [force * Math.cos(t), 1e3 * torque * Math.sin(t)]);
+    picture.points("doubt", [...arc(doubt.most), ...arc(doubt.least).reverse()], {fill: colour, "fill-opacity": 0.12, stroke: "none"});
+  }
   picture.points("ellipsoid", quarter.map((t) => [max_force_N * Math.cos(t), 1e3 * max_torque_Nm * Math.sin(t)]), {stroke: "var(--muted)", "stroke-width": 1.5});
   picture.points("long", along_long.map(milli), {stroke: colour, "stroke-width": 2.5});
   picture.points("short", along_short.map(milli), {stroke: colour, "stroke-width": 2, "stroke-dasharray": "6 4"});
@@ -166,11 +183,13 @@ function showReasons(answer) {
   }));
 }
 
-function showKeyNumbers(answer) {
+function showKeyNumbers(answer, doubt) {
   const list = the("key_numbers"), model = answer.models[answer.shown];
+  const range = doubt === undefined ? "…" : doubt ? `${number(1e3 * doubt.least[1])} to ${number(1e3 * doubt.most[1])} mN·m` : "–";
   const rows = model ? [
     ["largest force", `${number(answer.limit.max_force_N)} N`],
     ["largest torque", `${number(1e3 * model.max_torque_Nm)} mN·m`],
+    ["with E × 2 or ÷ 2, h and μ ± 10 %", range],
     ["torque / μP, the length eₙ", `${number(1e3 * model.eccentricity_m)} mm`],
     ["size s = √(ab)/h", number(Number((Math.sqrt(model.a_m * model.b_m) / (1e-3 * state.h)).toPrecision(3)))],
     ["approach / h", percent(model.indentation_m / (1e-3 * state.h))],
@@ -253,6 +272,11 @@ function update({onlyInSight = false} = {}) {
   // Once the slider rests: also the address, and the words for those who listen.
   settled = setTimeout(() => {
     for (const show of parts.values()) show(answer);
+    if (answer.shown >= 0) {
+      const doubt = doubtOf(answer);
+      drawLimit(answer, doubt);
+      showKeyNumbers(answer, doubt);
+    }
     writeAddress();
     write(the("status"), verdict);
   }, 400);

@@ -294,7 +294,7 @@ Html explorer_body(const std::string& version, const std::string& command,
              chart("limit",
                    "<b>Limit surface</b>: force and torque that just slide, the force along "
                    "the long axis and, dashed, along the short one; grey: the friction "
-                   "ellipsoid")) +
+                   "ellipsoid; shaded: with E twice or half as large, h or μ 10 % off")) +
          "<h2 id=\"models\">The models</h2>\n"
          "<p>The bounds hold 95 % of the errors against finite elements of whole fingers at finite "
          "strain; <i>usable</i> means that those of a, b, area and torque are within the "

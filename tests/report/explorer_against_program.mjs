@@ -33,7 +33,22 @@ const answerOf = (command) => {
   return asked.get(command);
 };
 
-for (const {after, command, shown, models, verdict} of states) {
+// The largest torque of a model where inputs are as far off as the page says, one at a time.
+const DOUBTS = [["youngs-modulus-kPa", 2], ["youngs-modulus-kPa", 1 / 2], ["thickness-mm", 1.1], ["thickness-mm", 1 / 1.1], ["friction", 1.1], ["friction", 1 / 1.1]];
+function doubtedTorques_mNm(command, model) {
+  const commands = [command, ...DOUBTS.map(([option, factor]) =>
+    command.replace(new RegExp(`(--${option} )(\\S+)`), (_, name, value) => `${name}${Number(value) * factor}`))];
+  return commands.map((words) => 1e3 * answerOf(words).results.find((result) => result.model === model).max_torque_Nm);
+}
+
+let doubts = 0;
+for (const {after, command, shown, models, verdict, doubt} of states) {
+  if (/ to /.test(doubt ?? "")) {
+    ++doubts;
+    const torques = doubtedTorques_mNm(command, shown), [least, most] = doubt.replace(" mN·m", "").split(" to ");
+    expectDigits(least, Math.min(...torques), 4, `the least torque in doubt after ${after} (${command})`);
+    expectDigits(most, Math.max(...torques), 4, `the largest torque in doubt after ${after} (${command})`);
+  }
   const results = new Map(answerOf(command).results.map((result) => [result.model, result]));
   for (const [name, cells] of Object.entries(models)) {
     const result = results.get(name), where = `${name} after ${after} (${command})`;
@@ -58,7 +73,7 @@ for (const {after, command, shown, models, verdict} of states) {
   if (shown && !verdict.startsWith(`${shown[0].toUpperCase()}${shown.slice(1).replaceAll("_", " ")}:`)) wrong.push(`${shown} is drawn, but the sentence says: ${verdict}`);
 }
 console.log(`${states.length} states, ${asked.size} contacts, ${compared} values compared, ${answered} answers, ${bounds} bounds`);
-if (!compared || !bounds) wrong.push("nothing was compared");
+if (!compared || !bounds || !doubts) wrong.push("nothing was compared");
 if (wrong.length) {
   console.error(`${wrong.length} differ:\n${wrong.slice(0, 8).join("\n")}`);
   process.exit(1);

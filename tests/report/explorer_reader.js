@@ -53,7 +53,7 @@ async function read(page) {
     lookAtCurves(after);
     states.push({
       after, command: the("command").textContent, verdict: the("verdict").textContent,
-      shown: page.querySelector("tr[data-shown]")?.dataset.model ?? null,
+      shown: page.querySelector("tr[data-shown]")?.dataset.model ?? null, doubt: all("#key_numbers dd")[2]?.textContent ?? null,
       models: Object.fromEntries(all("tr[data-model]").map((row) => [row.dataset.model, cellsOf(row)])),
     });
   }
@@ -87,7 +87,10 @@ async function read(page) {
   for (let i = 0; i < 1e6 && page.dataset.chartsDrawn !== "3"; ++i) await message();
   port1.close();
   for (let i = 0; i < 20 && !page.dataset.timed; ++i) await rest(50);
+  // The band of usual doubts comes once nothing has moved for a while.
+  await rest(600);
   look("opening");
+  if (!page.querySelector('[data-chart="limit"] path[data-path="doubt"]')) throw new Error("no band of usual doubts");
   for (const key of ["R1", "R2", "h", "E", "nu", "P", "mu", "within"])
     for (const position of [0, 370, 1000, 640]) slide(key, position);
   slide("nu", 1000);

@@ -88,10 +88,9 @@ class LayerFredholm final : public PressureModel {
     if (*violation.check) return no_answer(violation);
     const double ratio = problem.radii.major_m / problem.radii.minor_m;
     if (!(ratio <= kRound))
-      return no_answer(
-          {"round", std::min(ratio, 1e300), kRound, true,
-           "no answer: this model solves round contacts (R' = R''); bonded_layer takes "
-           "elliptic ones"});
+      return no_answer({"round", std::min(ratio, 1e300), kRound, true,
+                        "no answer: this model solves round contacts (R' = R''); layer_fft takes "
+                        "elliptic ones"});
     const double modulus_Pa = combined_modulus_Pa(problem);
     const double radius_m = mean_radius_m(problem);
     const double scaled_load_m2 = problem.load.normal_force_N / modulus_Pa;
