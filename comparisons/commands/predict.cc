@@ -64,9 +64,9 @@ std::vector<const PressureModel*> chosen_models(const PredictOptions& options,
         std::remove_if(models.begin(), models.end(),
                        [](const PressureModel* model) { return model->card().is_empirical; }),
         models.end());
-  // The answer of the fast model of stacks can be checked by the slow ones. For one layer it would
-  // be shown twice.
-  if (options.models == "all" && judgement::is_stack(contact_case))
+  // The answer of the fast model of several layers can be checked by the slow ones. For one layer
+  // it would be shown twice.
+  if (options.models == "all" && judgement::has_several_layers(contact_case))
     for (const char* name : {"layer_fredholm", "layer_fft"})
       models.push_back(find_pressure_model(name));
   else if (options.models == "all")

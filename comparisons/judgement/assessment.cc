@@ -206,6 +206,10 @@ bool is_stack(const input::Case& contact_case) {
   });
 }
 
+bool has_several_layers(const input::Case& contact_case) {
+  return is_stack(contact_case) || contact_case.object_layer.thickness_m > 0;
+}
+
 Assessment assess_numbers(const input::Case& contact_case,
                           const prediction::LocalGeometry& geometry,
                           const prediction::ModelAnswer& answer, prediction::TorqueRule rule,

@@ -12,6 +12,9 @@ namespace softfinger::judgement {
 /// Whether the layer's sublayers differ: one of equal sublayers is homogeneous.
 bool is_stack(const input::Case& contact_case);
 
+/// Whether it has sublayers that differ, or a layer on each body.
+bool has_several_layers(const input::Case& contact_case);
+
 /// @param answer     of the case's contact
 /// @param rule       by which the torque is stated
 /// @param demand     what an answer has to meet to be usable

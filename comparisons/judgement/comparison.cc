@@ -150,7 +150,7 @@ Comparison compare(const input::Case& contact_case, const prediction::LocalGeome
   comparison.folder = reference::load_folder(contact_case.id, load_N);
   for (const PressureModel* model : all_pressure_models())
     if ((!model->card().finite_strain || contact_case.fem_finite) &&
-        (!is_for_stacks(*model) || is_stack(contact_case)))
+        (!is_for_stacks(*model) || has_several_layers(contact_case)))
       comparison.models.push_back(compare_model(*model, comparison));
   return comparison;
 }

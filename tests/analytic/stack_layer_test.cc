@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <random>
 
@@ -387,9 +386,100 @@ TEST(StackLayer, StaysFiniteAtExtremesAndHasNoAnswerForBrokenSublayers) {
       *fields[field] = broken;
       EXPECT_FALSE(model_named("stack_layer").predict(problem).has_answer) << broken << field;
     }
-  ContactProblem two_bodies = on_stack(kSkin, 0.01, 1);
-  two_bodies.object_layer = {1e-3, 3e5, 0.4};
-  EXPECT_FALSE(model_named("stack_layer").predict(two_bodies).has_answer);
+}
+
+/// A layer on either body, or a stack on the finger; round or elliptic.
+class DrawnBodies {
+ public:
+  explicit DrawnBodies(unsigned int seed) : generator_(seed) {}
+
+  ContactProblem next(double radii_ratio) {
+    ContactProblem problem;
+    const double unit_Pa = 3e5;
+    problem.layer = {2e-3, unit_Pa, between(0, 0.499)};
+    problem.object_layer = {2e-3 * power(0.1, 10), unit_Pa * power(0.05, 20), between(0, 0.499)};
+    problem.radii = {0.05 * std::sqrt(radii_ratio), 0.05 / std::sqrt(radii_ratio), 0};
+    problem.load = {power(0.01, 30), 1};
+    return problem;
+  }
+
+ private:
+  double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(generator_);
+  }
+  double power(double low, double high) { return low * std::pow(high / low, between(0, 1)); }
+
+  std::mt19937_64 generator_;
+};
+
+/// Errors of `stack_layer` on contacts of two layers, in ascending order.
+struct TwoLayerErrors {
+  std::vector<double> a, depth, torque;
+
+  TwoLayerErrors(const char* exact, unsigned int seed, int count, double largest_radii_ratio) {
+    DrawnBodies drawn(seed);
+    for (int i = 0; i < count; ++i) {
+      const double ratio = std::pow(largest_radii_ratio, double(i + 1) / count);
+      const ContactProblem problem = drawn.next(ratio);
+      const Prediction truth = model_named(exact).predict(problem);
+      if (!truth.has_answer) continue;  // pressed through
+      const Prediction found = model_named("stack_layer").predict(problem);
+      EXPECT_TRUE(found.has_answer) << i;
+      a.push_back(std::abs(found.a_m / truth.a_m - 1));
+      depth.push_back(std::abs(found.indentation_m / truth.indentation_m - 1));
+      torque.push_back(std::abs(found.torque_arm_exact_m / truth.torque_arm_exact_m - 1));
+    }
+    for (std::vector<double>* errors : {&a, &depth, &torque})
+      std::sort(errors->begin(), errors->end());
+  }
+};
+
+double p95(const std::vector<double>& sorted) { return sorted[sorted.size() * 95 / 100]; }
+
+TEST(StackLayer, TakesALayerOnEitherBody) {
+  // Each limit is twice what was found on other seeds: 4e-4, 8e-5 and 6e-5.
+  const TwoLayerErrors round("layer_fredholm", 3, 300, 1);
+  ASSERT_GT(round.a.size(), 200u);
+  EXPECT_LT(p95(round.a), 8e-4);
+  EXPECT_LT(p95(round.depth), 1.6e-4);
+  EXPECT_LT(p95(round.torque), 1.2e-4);
+  EXPECT_LT(round.a.back(), 5e-3);
+  const TwoLayerErrors elliptic("layer_fft", 4, 30, 5);
+  ASSERT_GT(elliptic.a.size(), 20u);
+  // As for stacks of sublayers, whose ellipses follow from the exponent of the load.
+  EXPECT_LT(p95(elliptic.a), 2e-3);
+  EXPECT_LT(p95(elliptic.depth), 6e-3);
+  EXPECT_LT(p95(elliptic.torque), 6e-3);
+}
+
+TEST(StackLayer, GivesLayersThatAreAlikeTheAnswerOfBondedLayer) {
+  ContactProblem problem = DrawnBodies(5).next(3);
+  problem.object_layer = problem.layer;
+  const Prediction stack = model_named("stack_layer").predict(problem),
+                   layer = model_named("bonded_layer").predict(problem);
+  // One is solved and divided by itself, 1e-9; the other is read from a table.
+  EXPECT_NEAR(stack.a_m / layer.a_m, 1, 1e-6);
+  EXPECT_NEAR(stack.indentation_m / layer.indentation_m, 1, 1e-6);
+  EXPECT_NEAR(stack.torque_arm_exact_m / layer.torque_arm_exact_m, 1, 1e-6);
+}
+
+TEST(StackLayer, IsTheSameSeenFromEitherBodyAndKnowsAHardOne) {
+  DrawnBodies drawn(9);
+  for (int i = 0; i < 50; ++i) {
+    const ContactProblem problem = drawn.next(2);
+    ContactProblem other = problem;
+    std::swap(other.layer, other.object_layer);
+    const PressureModel& model = model_named("stack_layer");
+    const Prediction one = model.predict(problem), from_other = model.predict(other);
+    // The steps of Newton's method begin alike but for rounding.
+    EXPECT_NEAR(one.a_m / from_other.a_m, 1, 1e-9) << i;
+    EXPECT_NEAR(one.indentation_m / from_other.indentation_m, 1, 1e-9) << i;
+    ContactProblem hard = problem, rigid = problem;
+    hard.object_layer.youngs_modulus_Pa = 1e6 * problem.layer.youngs_modulus_Pa;
+    rigid.object_layer = {};
+    // The object's compliance is some 1e-6 to 1e-4 of the finger's, a thick layer's the most.
+    EXPECT_NEAR(model.predict(hard).a_m / model.predict(rigid).a_m, 1, 1e-3) << i;
+  }
 }
 
 TEST(StackLayer, HasTheSameBitsWithoutWideInstructions) {
@@ -418,13 +508,13 @@ TEST(StackLayer, NeverAllocates) {
   EXPECT_TRUE(answer.has_answer && bound.known);
 }
 
-TEST(StackLayer, IsRecommendedForStacksUnderARigidObject) {
+TEST(StackLayer, IsRecommendedForStacksAndForLayersOnBothBodies) {
   ContactProblem problem = on_stack(kSkin, 0.01, 1);
   EXPECT_EQ(default_model(problem).card().name, "stack_layer");
   problem.object_layer = {1e-3, 3e5, 0.4};
-  EXPECT_EQ(default_model(problem).card().name, "layer_fredholm");
-  problem.radii.major_m *= 2;
-  EXPECT_EQ(default_model(problem).card().name, "layer_fft");
+  EXPECT_EQ(default_model(problem).card().name, "stack_layer");
+  problem.stack = {};
+  EXPECT_EQ(default_model(problem).card().name, "stack_layer");
   EXPECT_FALSE(error_bound(default_model(problem), problem).known);
 }
 

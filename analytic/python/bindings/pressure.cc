@@ -2,25 +2,13 @@
 
 #include "analytic/python/bindings/contacts.h"
 #include "softfinger/pressure/rubbed_prediction.h"
-#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::python {
 namespace {
 
-/// The models without those of sublayers, which Python's contacts do not have.
-const std::vector<const PressureModel*>& models_of_one_layer() {
-  static const std::vector<const PressureModel*> found = [] {
-    std::vector<const PressureModel*> models;
-    for (const PressureModel* model : all_pressure_models())
-      if (!is_for_stacks(*model)) models.push_back(model);
-    return models;
-  }();
-  return found;
-}
-
 py::list models() {
   py::list cards;
-  for (const PressureModel* model : models_of_one_layer()) {
+  for (const PressureModel* model : all_pressure_models()) {
     const ModelCard& card = model->card();
     py::dict entry;
     entry["name"] = std::string(card.name);
@@ -41,7 +29,7 @@ py::list models() {
 /// Returns each contact's recommended model as an index into `models()`.
 py::array_t<int> default_models(const py::dict& numbers) {
   const Contacts contacts(numbers);
-  const std::vector<const PressureModel*>& all = models_of_one_layer();
+  const auto& all = all_pressure_models();
   py::array_t<int> result{py::ssize_t(contacts.count())};
   int* place = result.mutable_data();
   for (std::size_t i = 0; i < contacts.count(); ++i)

@@ -32,16 +32,11 @@ const PressureModel& default_model(const ContactProblem& problem) noexcept {
   static const PressureModel &fingertip = *find_pressure_model("fingertip_layer"),
                              &layer = *find_pressure_model("bonded_layer"),
                              &half_space = *find_pressure_model("hertz"),
-                             &stack = *find_pressure_model("stack_layer"),
-                             &round_stack = *find_pressure_model("layer_fredholm"),
-                             &any_stack = *find_pressure_model("layer_fft");
-  if (problem.stack.count > 1) {
-    if (!problem.has_object_layer()) return stack;
-    constexpr double kRound = 1 + 1e-9;
-    return problem.radii.major_m <= kRound * problem.radii.minor_m ? round_stack : any_stack;
-  }
+                             &stack = *find_pressure_model("stack_layer");
+  if (problem.stack.count > 1) return stack;
   if (has_fitted_shape(problem)) return fingertip;
-  return layer.predict(problem).has_answer ? layer : half_space;
+  if (layer.predict(problem).has_answer) return layer;
+  return problem.has_object_layer() && stack.predict(problem).has_answer ? stack : half_space;
 }
 
 }  // namespace softfinger

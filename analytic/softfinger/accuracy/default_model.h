@@ -10,10 +10,10 @@ namespace softfinger {
 ///
 /// It is `fingertip_layer`, which was fitted to finite elements of whole fingers, for one layer on
 /// a finger of a shape that it was fitted to: convex, no thicker and no longer than its runs
-/// (`FingertipRange`). For two layers and for other shapes it is `bonded_layer`, which is exact for
-/// flat layers of linear material. Where that has no answer it is `hertz`. For a stack of sublayers
-/// it is `stack_layer`; where the object has a layer too a slow one that knows both:
-/// `layer_fredholm` for round contacts, else `layer_fft`.
+/// (`FingertipRange`). For other shapes, and for layers on both bodies that are alike, it is
+/// `bonded_layer`, which is exact for flat layers of linear material. For a stack of sublayers, and
+/// for layers on both bodies that differ, it is `stack_layer`. Where these have no answer it is
+/// `hertz`.
 ///
 /// The load does not enter while `bonded_layer` has an answer, so that one contact keeps its model
 /// as it is pressed. Costs a few nanoseconds for the first, a prediction for the others. Never

@@ -151,6 +151,16 @@ ScaledStack scaled(const LayerStack& stack, const ElasticLayer& unit) noexcept {
   return result;
 }
 
+/// Two stacks that face each other, the second one with `count` 0 where the object is rigid.
+struct FacingStacks {
+  ScaledStack finger, object;
+};
+
+FacingStacks scaled(const LayerStack& finger, const LayerStack& object,
+                    const ElasticLayer& unit) noexcept {
+  return {scaled(finger, unit), scaled(object, unit)};
+}
+
 /// Compliance C = w/E* of the stack's surface against pressure of wave number k: u^ = 2 C/k p^. As
 /// StackKernel's, by the 2 x 2 compliance of each interface from the base upwards, on any kind of
 /// number. Waves much longer than the stack have C = k/2 (int dz/M + k² int z² dz/G), without the
@@ -195,6 +205,13 @@ Real stack_compliance(const ScaledStack& stack, const Real& k) noexcept {
   return 0.5 * (share * (k * (stack.column + k2 * stack.flow)) + (1. - share) * zn);
 }
 
+/// Pressed against each other, both give way.
+template <class Real>
+Real stack_compliance(const FacingStacks& stacks, const Real& k) noexcept {
+  const Real of_finger = stack_compliance(stacks.finger, k);
+  return stacks.object.count == 0 ? of_finger : of_finger + stack_compliance(stacks.object, k);
+}
+
 /// Least d ln P/d ln a that is counted with.
 constexpr double kLeastExponent = 1;
 
@@ -216,7 +233,7 @@ struct SizedContact {
 ///   (d - d_round)/G = (d_round/G - 1) ln(P/P_round) + (4 - m) L²/m² [(4 - m)/8 - 1],
 /// G = <r²> a²/(2 R) the mean gap under the pressure. (At equal size the kernel's energy is f(ln a)
 /// + (a/b)-dependent part ln²(a/b) (f'/8 + f''/16), that of the gap grows as cosh(ln(a/b) - L/2).)
-SizedContact sized_contact(const ScaledStack& stack, double log_size,
+SizedContact sized_contact(const FacingStacks& stack, double log_size,
                            double log_radii_ratio) noexcept {
   const GalerkinTable& table = galerkin_table();
   const double a = plain::exp(log_size), per_a = 1 / a;
@@ -330,7 +347,7 @@ SizedContact sized_contact(const ScaledStack& stack, double log_size,
 /// ln(a) that Hertz's formula with the compliance at one wave number of the order 1/a gives; where
 /// the round contact is to be sought. Four sizes are tried at once, twice, and the loads between
 /// and beyond them are powers of the size.
-double first_guess(const ScaledStack& stack, double log_load) noexcept {
+double first_guess(const FacingStacks& stack, double log_load) noexcept {
   constexpr double kWave = 2.5, kRounds = 2, kRatios[] = {4, 1.3};
   double x = (log_load - plain::log(4. / 3)) * (1. / 3);
   for (int round = 0; round < kRounds; ++round) {
@@ -358,13 +375,13 @@ double aspect_by_exponent(const LimitShapes& shapes, double exponent) noexcept {
          0.5 * x * (x - 1) * shapes.log_incompressible_aspect;
 }
 
-StackContact solve_stack(const ContactInputOf<double>& input, const LayerStack& stack,
-                         const ElasticLayer& unit) noexcept {
+StackContact solve_stack(const ContactInputOf<double>& input, const LayerStack& finger,
+                         const LayerStack& object, const ElasticLayer& unit) noexcept {
   // A last step is taken to first order, without the change of the ellipse's part of the load.
   constexpr double kLastStep = 1e-3;
   constexpr int kMostSteps = 12;
   const LayerArguments<double> at = layer_arguments(input);
-  const ScaledStack sublayers = scaled(stack, unit);
+  const FacingStacks sublayers = scaled(finger, object, unit);
   double x = first_guess(sublayers, at.log_load), step = 0;
   SizedContact of_stack{};
   for (int i = 0; i < kMostSteps; ++i) {
@@ -374,7 +391,7 @@ StackContact solve_stack(const ContactInputOf<double>& input, const LayerStack& 
     step = std::min(std::max(step, -1.), 1.);
     if (std::abs(step) <= kLastStep && i > 0) break;
   }
-  const SizedContact of_unit = sized_contact(scaled(unit, unit), x, at.log_radii_ratio);
+  const SizedContact of_unit = sized_contact(scaled(unit, {}, unit), x, at.log_radii_ratio);
   const double excess = of_stack.load.slope - of_unit.load.slope;
   // The load at which the homogeneous layer has the contact's size, ln a = x + step; that of an
   // ellipse, and by the error of either solution, is a little further.
@@ -442,36 +459,51 @@ void add_contrasts(const LayerStack& stack, StackContact& contact) noexcept {
 
 }  // namespace
 
-ElasticLayer large_contact_layer(const LayerStack& stack) noexcept {
-  if (stack.count == 1) return stack.surface();
+namespace {
+
+/// int dz/M, int dz/G and int z² dz/G over stacks, each from its own surface.
+struct DepthIntegrals {
+  double column = 0, shear = 0, flow = 0;
+
+  void add(const LayerStack& stack, double unit_m, double unit_Pa) noexcept {
+    double z = 0;
+    for (std::size_t i = 0; i < stack.count; ++i) {
+      const ElasticLayer& layer = stack.sublayers[i];
+      const double h = layer.thickness_m / unit_m, G = layer.shear_modulus_Pa() / unit_Pa;
+      const double nu = layer.poisson_ratio;
+      column += h * (1 - 2 * nu) / (2 * (1 - nu) * G);
+      shear += h / G;
+      flow += h * (z * z + z * h + h * h / 3) / G;
+      z += h;
+    }
+  }
+};
+
+}  // namespace
+
+ElasticLayer large_contact_layer(const LayerStack& stack, const LayerStack& object) noexcept {
+  if (stack.count == 1 && object.count == 0) return stack.surface();
   // In units of the surface's sublayer, so that nothing overflows.
   const double unit_m = stack.surface().thickness_m, unit_Pa = stack.surface().shear_modulus_Pa();
-  double column = 0, shear = 0, flow = 0, z = 0;
-  for (std::size_t i = 0; i < stack.count; ++i) {
-    const ElasticLayer& layer = stack.sublayers[i];
-    const double h = layer.thickness_m / unit_m, G = layer.shear_modulus_Pa() / unit_Pa;
-    const double nu = layer.poisson_ratio;
-    column += h * (1 - 2 * nu) / (2 * (1 - nu) * G);
-    shear += h / G;
-    flow += h * (z * z + z * h + h * h / 3) / G;
-    z += h;
-  }
-  const double h = std::sqrt(3 * flow / shear);
-  const double softness = column / shear;  // G/M = (1 - 2 nu)/(2 (1 - nu)) <= 1/2
+  DepthIntegrals sums;
+  sums.add(stack, unit_m, unit_Pa);
+  sums.add(object, unit_m, unit_Pa);
+  const double h = std::sqrt(3 * sums.flow / sums.shear);
+  const double softness = sums.column / sums.shear;  // G/M = (1 - 2 nu)/(2 (1 - nu)) <= 1/2
   ElasticLayer layer;
   layer.thickness_m = unit_m * h;
   layer.poisson_ratio = std::max(0., (1 - 2 * softness) / (2 * (1 - softness)));
-  layer.youngs_modulus_Pa = 2 * (1 + layer.poisson_ratio) * unit_Pa * h / shear;
+  layer.youngs_modulus_Pa = 2 * (1 + layer.poisson_ratio) * unit_Pa * h / sums.shear;
   return layer;
 }
 
 StackContact stack_contact(const RelativeRadii& radii, const LayerStack& stack,
-                           double normal_force_N) noexcept {
+                           double normal_force_N, const LayerStack& object) noexcept {
   const LayerStack sublayers = merged(stack);
-  const ElasticLayer unit = large_contact_layer(sublayers);
+  const ElasticLayer unit = large_contact_layer(sublayers, object);
   const ContactInputOf<double> input = contact_input(radii, unit, normal_force_N);
   StackContact result;
-  if (sublayers.count == 1) {
+  if (sublayers.count == 1 && object.count == 0) {
     const LayerArguments<double> at = layer_arguments(input);
     with_best_instructions([&] {
       result.logarithms =
@@ -481,7 +513,7 @@ StackContact stack_contact(const RelativeRadii& radii, const LayerStack& stack,
     result.equivalent = unit;
     return result;
   }
-  with_best_instructions([&] { result = solve_stack(input, sublayers, unit); });
+  with_best_instructions([&] { result = solve_stack(input, sublayers, object, unit); });
   add_contrasts(sublayers, result);
   return result;
 }

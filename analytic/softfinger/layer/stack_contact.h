@@ -27,8 +27,10 @@ struct StackContact {
 /// The homogeneous layer that a contact much larger than the stack cannot tell from it. Three
 /// integrals over the depth z decide there: int dz/M (columns in series), int dz/G (shear) and
 /// int z² dz/G (flow of nearly incompressible layers under a frictionless surface). A layer has
-/// h/M, h/G and h³/(3 G); solved for h, G and M. One sublayer is its own equivalent.
-ElasticLayer large_contact_layer(const LayerStack& stack) noexcept;
+/// h/M, h/G and h³/(3 G); solved for h, G and M. One sublayer is its own equivalent. The integrals
+/// of two stacks that face each other add, each with z from its own surface.
+/// @param object  on the object; none: it is rigid
+ElasticLayer large_contact_layer(const LayerStack& stack, const LayerStack& object = {}) noexcept;
 
 /// Solves for the pressure p = sum of c_n (1 - x²/a² - y²/b²)^(n - 1/2), n = 1 to 5, of the round
 /// contact by Galerkin's method for the Fredholm equation of circular_contact.h, and takes the
@@ -44,8 +46,13 @@ ElasticLayer large_contact_layer(const LayerStack& stack) noexcept;
 /// Each sublayer must lie in the ranges of contact_problem.h, `stack.count` >= 1. Results that do
 /// not fit into a double come out as zero, infinity or no number. Some microseconds (see
 /// tests/bench/analytic_bench.cc), no allocation.
+///
+/// Two stacks that face each other are one whose kernel is the sum of theirs.
+/// @param object  on the object; none: it is rigid. `exponent_change`, `log_contrast` and
+/// `log_softening`, by which the error of a stack is known, are then the finger's: no error is
+/// known
 StackContact stack_contact(const RelativeRadii& radii, const LayerStack& stack,
-                           double normal_force_N) noexcept;
+                           double normal_force_N, const LayerStack& object = {}) noexcept;
 
 /// The problem with `StackContact::equivalent` in place of its sublayers; as it is without any.
 ContactProblem with_equivalent_layer(ContactProblem problem) noexcept;

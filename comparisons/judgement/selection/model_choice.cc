@@ -164,7 +164,7 @@ Choice choose_model(const input::Case& contact_case, const prediction::LocalGeom
   std::vector<Candidate> candidates;
   for (const PressureModel* model : all_pressure_models())
     if (is_allowed(options, model->card().name) &&
-        (!is_for_stacks(*model) || is_stack(contact_case) || !options.models.empty()))
+        (!is_for_stacks(*model) || has_several_layers(contact_case) || !options.models.empty()))
       candidates.push_back(candidate_of(*model, contact_case, geometry, load_N, options));
   if (is_allowed(options, "fem"))
     candidates.push_back(finite_elements(contact_case, geometry, load_N, options.demand));

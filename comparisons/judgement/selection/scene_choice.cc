@@ -218,7 +218,8 @@ void decide(PairUse& use, double tolerance) {
   options.demand.quantities[std::size_t(Quantity::max_torque)] = true;
   for (const PressureModel* model : all_pressure_models())
     if (model->card().hot_path && !model->card().is_empirical &&
-        (!is_for_stacks(*model) || use.contact.problem.stack.count > 0))
+        (!is_for_stacks(*model) || use.contact.problem.stack.count > 0 ||
+         use.contact.problem.has_object_layer()))
       options.models.emplace_back(model->card().name);
   choice.pressure = choose_for_finger(use.contact.problem, options);
   choice.friction = sufficient_friction(choice.surface_change, tolerance);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "softfinger/layer/stack_contact.h"
+#include "softfinger/layer/stack_kernel.h"
 #include "softfinger/pressure/answer.h"
 #include "softfinger/pressure/pressure_model.h"
 #include "softfinger/pressure/validity.h"
@@ -49,8 +50,9 @@ class StackLayer final : public PressureModel {
         "Layer of bonded sublayers on a rigid core",
         "Linear elasticity; one to eight sublayers, bonded to each other and to the base, wide "
         "against the contact; the gap is a quadric and shallow inside the contact; no friction in "
-        "the normal problem. One sublayer, and equal ones, have the answer of bonded_layer. The "
-        "object is rigid.",
+        "the normal problem. One sublayer, and equal ones, have the answer of bonded_layer. A "
+        "layer "
+        "on the object is taken too: the kernels of both add.",
         "p = sum of c_n (1 - r²)^(n - 1/2), n = 1 to 5, in the stack's surface kernel 2 w(k)/(E* "
         "k) "
         "(2 x 2 compliance of each interface from the base upwards), against the same of a "
@@ -77,11 +79,12 @@ class StackLayer final : public PressureModel {
   bool knows_stacks() const noexcept override { return true; }
 
   Prediction predict(const ContactProblem& problem) const noexcept override {
-    if (problem.stack.count == 0) return bonded_layer_model().predict(problem);
+    if (is_one_layer(problem)) return bonded_layer_model().predict(problem);
     if (const ValidityCheck reason = why_unanswered(problem); *reason.check)
       return no_answer(reason);
+    const LayerStack object(problem.object_layer);
     const StackContact contact =
-        stack_contact(problem.radii, problem.stack, problem.load.normal_force_N);
+        stack_contact(problem.radii, problem.finger_layers(), problem.load.normal_force_N, object);
     Prediction prediction = answer_of(contact.numbers);
     if (!std::isfinite(prediction.a_m)) return no_answer(not_representable());
     if (!contact.is_solved)
@@ -89,15 +92,20 @@ class StackLayer final : public PressureModel {
                         "no answer: the load does not grow steadily with the contact's size, as "
                         "of sublayers that differ by far more than a factor of 100"});
     prediction.validity.add(small_slope_check(prediction, problem.radii));
-    prediction.validity.add(small_strain_check(prediction, contact.equivalent));
+    prediction.validity.add(
+        object.count == 0
+            ? small_strain_check(prediction, contact.equivalent)
+            : small_strain_check(prediction, problem,
+                                 compliance_per_Pa(problem.finger_layers(), prediction.a_m),
+                                 compliance_per_Pa(object, prediction.a_m)));
     return finite_or_no_answer(prediction, problem);
   }
 
   Prediction predict_differentiated(
       const ContactProblem& problem,
       std::optional<DifferentiatedContact>* contact) const noexcept override {
-    return problem.stack.count == 0 ? bonded_layer_model().predict_differentiated(problem, contact)
-                                    : predict(problem);
+    return is_one_layer(problem) ? bonded_layer_model().predict_differentiated(problem, contact)
+                                 : predict(problem);
   }
 
   double pressure_Pa(const ContactProblem& problem, const Prediction& prediction, double x_m,
@@ -106,14 +114,20 @@ class StackLayer final : public PressureModel {
   }
 
  private:
+  static bool is_one_layer(const ContactProblem& problem) noexcept {
+    return problem.stack.count == 0 && !problem.has_object_layer();
+  }
+
+  /// Displacement by a pressure of wave number 1/a, in units of a. Layers on both bodies share the
+  /// indentation as these.
+  static double compliance_per_Pa(const LayerStack& stack, double a_m) noexcept {
+    return StackKernel(stack).compliance(stack.surface().thickness_m / a_m) /
+           stack.surface().plane_strain_modulus_Pa();
+  }
+
   static ValidityCheck why_unanswered(const ContactProblem& problem) noexcept {
     const ValidityCheck violation = first_range_violation(problem);
-    if (*violation.check) return violation;
-    if (problem.has_object_layer())
-      return {"rigid_object", 1, 0, true,
-              "no answer: this model takes sublayers under a rigid object; layer_fredholm (round "
-              "contacts) and layer_fft take a layer on the object, too"};
-    return sublayer_violation(problem.stack);
+    return *violation.check ? violation : sublayer_violation(problem.finger_layers());
   }
 };
 
