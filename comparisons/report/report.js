@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const {report, styleOf, present, number, percent, duration, niceTop, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked} = Charts;
+  const {report, styleOf, present, number, percent, duration, ramp, niceTop, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked} = Charts;
   const FEM = styleOf("fem");
 
   // The reference first and broad, models on top and thin: a model that agrees hides neither.
@@ -206,7 +206,7 @@
     });
     const centre = d3.polygonCentroid(outline.map((p) => [p.x, p.y]));
     const bands = d3.ticks(0, 1e-3 * load.fem.peak_pressure_Pa, 6);
-    const colour = (k) => d3.interpolateYlGnBu(0.12 + 0.8 * k / Math.max(1, bands.length - 1));
+    const colour = (k) => ramp(k / Math.max(1, bands.length - 1));
     const across = (k) => d3.extent(outline, (p) => p["xy"[k]]);
     const picture = plot({
       ...frameOptions,
