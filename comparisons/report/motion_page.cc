@@ -28,7 +28,7 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{}\u00a0{}", count, count == 1 ? one : many);
 }
 
-/// How much was recorded.
+/// Counts of the bodies, steps and contacts that were recorded.
 Html recorded(const Recording& recording, const std::vector<ContactTrack>& tracks) {
   const std::size_t movable =
       std::count_if(recording.bodies.begin(), recording.bodies.end(),
