@@ -173,7 +173,7 @@ function showKeyNumbers(answer) {
     ["largest torque", `${number(1e3 * model.max_torque_Nm)} mN·m`],
     ["torque / μP, the length eₙ", `${number(1e3 * model.eccentricity_m)} mm`],
     ["size s = √(ab)/h", number(Number((Math.sqrt(model.a_m * model.b_m) / (1e-3 * state.h)).toPrecision(3)))],
-    ["approach / h", percent(model.indentation_m / (1e-3 * state.h))],
+    ["indentation / h", percent(model.indentation_m / (1e-3 * state.h))],
   ] : [];
   if (list.children.length !== 2 * rows.length)
     list.replaceChildren(...rows.flatMap(() => ["dt", "dd"].map((name) => document.createElement(name))));

@@ -37,7 +37,7 @@ struct Quantity {
 constexpr std::array<Quantity, 12> kKnownQuantities{
     {{"a", "a_m", "a", "mm", 1e3, 1},
      {"b", "b_m", "b", "mm", 1e3, 2},
-     {"indentation", "indentation_m", "approach d", "mm", 1e3, 4},
+     {"indentation", "indentation_m", "indentation", "mm", 1e3, 4},
      {"normal_stiffness", "normal_stiffness_N_per_m", "stiffness", "N/mm", 1e-3, 6},
      {"peak_pressure", "peak_pressure_Pa", "peak pressure", "kPa", 1e-3, 5},
      {"area", "area_m2", "area", "mm²", 1e6, 3, true},
