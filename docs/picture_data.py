@@ -3,7 +3,8 @@
     docs/picture_data.py --build build/release --write docs/pictures.csv
     docs/picture_data.py --build build/release --compare docs/pictures.csv
 
-One row per number: picture, load, model, quantity, value (SI units; errors and bounds relative).
+One row per number: picture, load, model, quantity, value (SI units; errors and bounds relative). The picture
+compare_page has the numbers of silicone_pad.
 """
 
 import argparse
@@ -22,6 +23,8 @@ SHOWN_OF_ERRORS = 0.5e-1
 SMALLEST_ERROR = 1e-4
 
 CASE = "silicone_pad_2mm"
+MESH_CASE, MESH = "pad_on_plane", "shadow_like_pad.stl"
+SWEEP, SCENE, MEASUREMENTS = "thickness_and_load", "pinch", "inked_fingertip.csv"
 TOLERANCE = "0.05"
 
 
@@ -52,9 +55,63 @@ def select_page(build):
                     yield "select_page", str(choice["load_N"]), entry["model"], f"relative_{quantity}", value
 
 
+def sweep_page(build, folder):
+    """Of the sweep: what its first lines say of the leading model."""
+    run(build, "sweep", SWEEP, "--output", str(folder / "sweep"))
+    with open(folder / "sweep" / "results.csv", encoding="utf-8") as file:
+        rows = [row for row in csv.DictReader(file) if row["fingertip_layer_usable"] == "yes"]
+    torques = [float(row["fingertip_layer_max_torque_Nm"]) for row in rows]
+    yield "sweep_page", "", "fingertip_layer", "usable_rows", float(len(rows))
+    yield "sweep_page", "", "fingertip_layer", "least_max_torque_Nm", min(torques)
+    yield "sweep_page", "", "fingertip_layer", "largest_max_torque_Nm", max(torques)
+
+
+def recommended(picture, answer):
+    """Of a prediction: the recommended model's contact and torque, and their bounds."""
+    for result in answer["results"]:
+        if not result.get("recommended"):
+            continue
+        for quantity in ("a_m", "b_m", "max_torque_Nm", "eccentricity_m"):
+            yield picture, f"{result['load_N']:g}", result["model"], quantity, result[quantity]
+        for quantity in ("area", "max_torque"):
+            yield picture, f"{result['load_N']:g}", result["model"], f"relative_{quantity}", result["error_bound"][quantity]
+
+
+def predictions(build):
+    """Of the pages of predict and explore."""
+    yield from recommended("predict_page", json.loads(run(build, "predict", MESH_CASE, "--json")))
+    answer = json.loads(run(build, "predict", CASE, "--set", "contact.load_N=2", "--json"))
+    yield from recommended("explore_page", answer)
+
+
+def motion_page(build):
+    """Of the motion: when the grasp slips."""
+    answer = json.loads(run(build, "simulate", SCENE, "--json"))
+    yield "motion_page", "", "", "until_s", answer["hold"]["until_s"]
+
+
+def calibrate_page(build):
+    """Of the calibration: what was found, and its intervals."""
+    answer = json.loads(run(build, "calibrate", MEASUREMENTS, CASE, "--json"))
+    for name, found in answer["parameters"].items():
+        for quantity, value in zip(("value", "low", "high"), (found["value"], *(found["interval95"] or ()))):
+            if value is not None:
+                yield "calibrate_page", "", name, quantity, value
+
+
+def mesh_page(build):
+    """Of the mesh: what the best pad gives."""
+    best = json.loads(run(build, "mesh", MESH, "--json"))["pads"][0]
+    for quantity, name in (("a_m", "a_m"), ("b_m", "b_m"), ("max_torque_Nm", "max_torque_Nm"),
+                           ("error_bound", "relative_error_bound")):
+        yield "mesh_page", "", best["name"], name, best[quantity]
+
+
 def numbers(build):
-    with tempfile.TemporaryDirectory() as folder:
-        rows = [*silicone_pad(build, pathlib.Path(folder)), *select_page(build)]
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        rows = [*silicone_pad(build, folder), *select_page(build), *sweep_page(build, folder), *predictions(build),
+                *motion_page(build), *calibrate_page(build), *mesh_page(build)]
     return {row[:4]: row[4] for row in rows}
 
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "comparisons/commands/commands.h"
@@ -116,8 +117,10 @@ int run_fit(const FitOptions& options) {
     point.point_m = point_m;
     point.normal = fit.normal;
     point.fit = fit;
+    report::MeshPage page;
+    page.points = {point};
     write_fits_page(options.page, input::named_mesh(options.mesh, options.part, file), file.surface,
-                    {point}, options.command_line);
+                    std::move(page), options.command_line);
   }
   const auto say_remarks = [&remarks] {
     for (const std::string& said : remarks) remark(said);

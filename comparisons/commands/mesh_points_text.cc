@@ -168,13 +168,11 @@ report::MeshPoint point_of(const judgement::Pad& pad, const input::NamedMesh& me
 }
 
 void write_fits_page(const std::string& file, const input::NamedMesh& mesh,
-                     const TriangleSurface& surface, std::vector<report::MeshPoint> points,
+                     const TriangleSurface& surface, report::MeshPage page,
                      const std::string& command_line) {
-  report::MeshPage page;
   name_mesh(page, mesh);
   page.facts = facts_in_words(surface) + ".";
-  for (report::MeshPoint& point : points) point.toml = geometry_line(mesh, point);
-  page.points = std::move(points);
+  for (report::MeshPoint& point : page.points) point.toml = geometry_line(mesh, point);
   page.version = "softfinger " + system::program_version();
   page.command = command_line;
   system::write_file_atomically(file, report::mesh_page(surface, page));

@@ -81,9 +81,10 @@ report::MeshPoint point_of(const judgement::Pad& pad, const input::NamedMesh& me
 std::string verdict_of(const judgement::Pad& pad);
 
 /// Writes the page of fits to one surface: the region and the quadric of each point.
-/// @param points  without their lines for cases, which are added
+/// @param page  its points, without their lines for cases, and the prediction, where there is one;
+///              the rest is added
 void write_fits_page(const std::string& file, const input::NamedMesh& mesh,
-                     const TriangleSurface& surface, std::vector<report::MeshPoint> points,
+                     const TriangleSurface& surface, report::MeshPage page,
                      const std::string& command_line);
 
 /// "5,374 triangles, closed, 16.2 x 12.1 x 28.0 mm"

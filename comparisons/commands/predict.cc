@@ -109,10 +109,12 @@ std::string typed_name(const std::filesystem::path& mesh) {
   return mesh.string();
 }
 
-/// The mesh with the region that was fitted for each load.
+/// The prediction, and the mesh with the region that was fitted for each load.
 void write_page(const PredictOptions& options, const input::Case& contact_case,
-                const prediction::GeometryResolver& resolver, const input::MeshBody& mesh) {
-  std::vector<report::MeshPoint> points;
+                const prediction::GeometryResolver& resolver, const input::MeshBody& mesh,
+                const std::string& answers, const std::string& numbers) {
+  report::MeshPage page;
+  page.prediction = report::PrintedPrediction{contact_case.id, answers, numbers};
   for (const double load_N : contact_case.loads_N) {
     const prediction::LocalGeometry geometry = resolver.resolve(load_N);
     const auto& bodies = std::get<input::BodyPair>(contact_case.geometry);
@@ -123,12 +125,12 @@ void write_page(const PredictOptions& options, const input::Case& contact_case,
     point.fit = is_finger ? geometry.patch->finger_fit : geometry.patch->object_fit;
     point.normal = point.fit->normal;
     point.doubt = geometry.patch->remark;
-    points.push_back(point);
+    page.points.push_back(point);
   }
   const input::MeshBody placed = resolver.placed(mesh);
   write_fits_page(options.page,
                   {typed_name(mesh.path), mesh.part, *placed.metres_per_unit, placed.is_own_unit},
-                  resolver.surface(mesh), points, options.command_line);
+                  resolver.surface(mesh), std::move(page), options.command_line);
 }
 
 /// Curves of one model from a moment's first touch on.
@@ -383,6 +385,10 @@ int run_predict(const PredictOptions& options) {
     evidence += fmt::format("\n{}: {}\n", titles.back(), prediction::describe(geometry)) +
                 table(answers, rule);
   }
+  const std::string next_step = advice.empty() ? "" : "  " + advice + "\n";
+  std::string numbers;
+  for (std::size_t load = 0; load < blocks.size(); ++load)
+    numbers += (blocks.size() > 1 ? "\n" + titles[load] + "\n" : "") + blocks[load];
   if (options.write_page && contact_case.times.are_given()) {
     report::TimePage page;
     page.case_id = contact_case.id;
@@ -394,7 +400,7 @@ int run_predict(const PredictOptions& options) {
     system::write_file_atomically(options.page, report::time_page(page));
     remark("the page is " + options.page);
   } else if (options.write_page) {
-    write_page(options, contact_case, resolver, *mesh);
+    write_page(options, contact_case, resolver, *mesh, first_lines + next_step, numbers);
   }
   if (taxels) options.taxels.write(read_by_taxels);
   // Last, so that a refusal stays a single line.
@@ -423,9 +429,7 @@ int run_predict(const PredictOptions& options) {
     }
     system::write_to_stdout(text::printed(object));
   } else {
-    std::string text = first_lines + (advice.empty() ? "" : "  " + advice + "\n");
-    for (std::size_t load = 0; load < blocks.size(); ++load)
-      text += (blocks.size() > 1 ? "\n" + titles[load] + "\n" : "") + blocks[load];
+    std::string text = first_lines + next_step + numbers;
     if (options.explain) {
       text += "\n" + evidence;
       if (options.models == "all" && options.gap == "quadric")

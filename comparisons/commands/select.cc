@@ -393,7 +393,8 @@ void add_select(CLI::App& app, Action& action, const std::string& command_line) 
   options->command_line = command_line;
   const CLI::Option* output = command->add_option(
       "-o,--output", options->output,
-      "folder for a page with the choice, the figures of speed and accuracy and the maps of "
+      "folder for a page with the choice, the figures of speed and accuracy and, of chosen models "
+      "that the error atlas has, the maps of "
       "validity: select.html, and select.json; of a scene, what each pair of bodies needs");
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(

@@ -1,5 +1,6 @@
 #include "comparisons/report/atlas_sections.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
@@ -143,7 +144,35 @@ Html figure(const Html& attributes, const Html& caption) {
          "</figcaption><div class=\"plot\"></div></figure>\n";
 }
 
+/// Whether each of the names is that of an entry of the list for which `counts` holds.
+template <typename Counts>
+bool has_each(const Json& list, const std::vector<std::string>& models, const Counts& counts) {
+  return std::all_of(models.begin(), models.end(), [&](const std::string& name) {
+    return std::any_of(list.begin(), list.end(), [&](const Json& entry) {
+      return text(entry, "model") == name && counts(entry);
+    });
+  });
+}
+
 }  // namespace
+
+bool atlas_has(const Json& report, const std::vector<std::string>& models) {
+  return has_atlas(report) && has_each(child(child(report, "atlas"), "models"), models,
+                                       [](const Json&) { return true; });
+}
+
+bool atlas_has_causes(const Json& report, const std::vector<std::string>& models) {
+  return has_atlas(report) &&
+         has_each(child(child(report, "atlas"), "models"), models,
+                  [](const Json& entry) { return !child(entry, "causes").is_null(); });
+}
+
+bool finite_strain_has(const Json& report, const std::vector<std::string>& models) {
+  const Json& groups = child(report, "finite_strain");
+  return std::any_of(groups.begin(), groups.end(), [&](const Json& group) {
+    return has_each(child(group, "models"), models, [](const Json&) { return true; });
+  });
+}
 
 Html setting_buttons(const std::string& setting, const std::string& label,
                      const std::vector<SettingButton>& buttons, std::size_t pressed) {

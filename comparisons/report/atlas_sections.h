@@ -6,6 +6,13 @@
 /// function returns nothing when there is none.
 namespace softfinger::report {
 
+/// Whether the atlas has each of these models: a picture of the others would miss the one to use.
+bool atlas_has(const Json& report, const std::vector<std::string>& models);
+/// Whether the error of each of these models is split into causes there.
+bool atlas_has_causes(const Json& report, const std::vector<std::string>& models);
+/// Whether the contacts at large deformation have each of these models.
+bool finite_strain_has(const Json& report, const std::vector<std::string>& models);
+
 /// Cost against error of every model and finite-element level, and of the friction laws.
 Html speed_accuracy_section(const Json& report);
 

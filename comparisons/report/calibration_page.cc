@@ -350,7 +350,8 @@ Html body_of(const Json& calibration) {
     if (const std::string value = text(child(calibration, "provenance"), key); !value.empty())
       facts += html("<dt>{}</dt><dd>{}</dd>", key, value);
   return html("<header><h1>What the measurements say about {}</h1>\n<p class=\"subtitle\">{}</p>\n",
-              text(calibration, "case"), text(calibration, "description")) +
+              text(calibration, "case"),
+              with_labels_of({text(calibration, "model")}, text(calibration, "description"))) +
          lead(calibration) +
          "<nav><a href=\"#parameters\">Found</a> <a href=\"#advice\">Not told</a> <a "
          "href=\"#fit\">Fit</a> <a href=\"#residuals\">Residuals</a> <a "

@@ -32,7 +32,7 @@ const std::array<Column, 9> kColumns{{
     {"area", "mm²", "area_projected_m2", 1e6, "area"},
     {"indentation", "mm", "indentation_m", 1e3, "indentation"},
     {"peak pressure", "kPa", "peak_pressure_Pa", 1e-3, "peak_pressure"},
-    {"max torque", "mN·m", "max_torque_Nm", 1e3, "max_torque"},
+    {"largest torque", "mN·m", "max_torque_Nm", 1e3, "max_torque"},
     {"torque, paper rule", "mN·m", "max_torque_paper_Nm", 1e3, "max_torque_paper"},
     {"e<sub>n</sub>", "mm", "eccentricity_m", 1e3, ""},
 }};
@@ -154,7 +154,7 @@ Html validity_table(const Json& report, const Json& load) {
           "<td class=\"words {}\">{}</td><td class=\"words\">{}</td></tr>\n",
           model_key(report, name), text(check, "check"), significant(number(check, "value")),
           significant(number(check, "limit")), holds ? "within" : "beyond",
-          holds ? "holds" : "fails", text(check, "message"));
+          holds ? "holds" : "fails", with_labels(report, text(check, "message")));
     }
   }
   if (rows.empty()) return "";
@@ -166,13 +166,14 @@ Html validity_table(const Json& report, const Json& load) {
 }
 
 /// The reasons in words, open on the page: a prediction outside its validity needs its warning.
-Html warnings(const Json& load) {
+Html warnings(const Json& report, const Json& load) {
   Html items;
   for (const Json& model : child(load, "models")) {
     if (!is_asked(model)) continue;
     std::vector<Html> reasons;
     for (const Json& check : child(model, "validity"))
-      if (!flag(check, "holds")) reasons.push_back(escape(without_verdict(text(check, "message"))));
+      if (!flag(check, "holds"))
+        reasons.push_back(escape(with_labels(report, without_verdict(text(check, "message")))));
     if (!reasons.empty())
       items += html("<li><b>{}</b> {}: {}</li>\n", label(text(model, "model")),
                     !flag(model, "has_answer") ? "has no answer"
@@ -260,7 +261,7 @@ Html reference_details(const Json& load, const judgement::LoadErrors& errors) {
                    : scrolling("<table>" +
                                heading_row({"level", "unknowns", with_unit("a", "mm"),
                                             with_unit("b", "mm"), with_unit("indentation", "mm"),
-                                            with_unit("max torque", "mN·m")}) +
+                                            with_unit("largest torque", "mN·m")}) +
                                "<tbody>" + rows + "</tbody></table>");
   std::vector<Html> facts;
   const auto fact = [&](const Html& words, const Html& value) {
@@ -276,7 +277,7 @@ Html reference_details(const Json& load, const judgement::LoadErrors& errors) {
   fact("pressure exponent n ", significant(number(fem, "pressure_exponent"), 1, 3));
   if (!text(fem, "vtu").empty()) fact("for ParaView: ", html("<code>{}</code>", text(fem, "vtu")));
   const Html stated_errors = html(
-      "<p>Stated error: a {}, b {}, area {}, indentation {}, peak pressure {}, max torque "
+      "<p>Stated error: a {}, b {}, area {}, indentation {}, peak pressure {}, largest torque "
       "{}.</p>\n",
       stated("a"), stated("b"), stated("area"), stated("indentation"), stated("peak_pressure"),
       stated("max_torque"));
@@ -286,8 +287,9 @@ Html reference_details(const Json& load, const judgement::LoadErrors& errors) {
       const auto value = number(open, key);
       return value ? percent(*value) : std::string("not known");
     };
-    left_open = html("<p>The scan's mesh leaves open: a {}, b {}, area {}, max torque {}.</p>\n",
-                     part("a"), part("b"), part("area"), part("max_torque"));
+    left_open =
+        html("<p>The scan's mesh leaves open: a {}, b {}, area {}, largest torque {}.</p>\n",
+             part("a"), part("b"), part("area"), part("max_torque"));
   }
   return details(html("Can this reference be trusted? {}: torque {}, a {}, b {}",
                       flag(fem, "trusted") ? Html("Yes")
@@ -299,19 +301,26 @@ Html reference_details(const Json& load, const judgement::LoadErrors& errors) {
                      html("<p class=\"facts\">{}</p>\n", joined(facts, " · ")));
 }
 
+/// Relative error of the elements' torque, the mesh's part with it; a pad has no mesh.
+std::optional<double> torque_error(const Json& load) {
+  const Json& geometry = child(load, "geometry");
+  const auto stated = number(child(child(load, "fem"), "error"), "max_torque"),
+             open = geometry.is_null() ? std::optional(0.)
+                                       : number(child(geometry, "error"), "max_torque");
+  return stated && open ? std::optional(*stated + *open) : std::nullopt;
+}
+
 Html simulator_line(const Json& report_case, const Json& load) {
   const auto force = number(load, "load_N");
   const auto torque = number(child(load, "fem"), "max_torque_Nm");
   const auto friction = number(report_case, "friction_coefficient");
   if (!force || !torque || !friction || *force <= 0) return "";
-  const auto stated = number(child(child(load, "fem"), "error"), "max_torque"),
-             open = number(child(child(load, "geometry"), "error"), "max_torque");
   return html(
       "<p class=\"simulator\">MuJoCo at this load: <code>condim=\"4\" {}</code>, the torque "
       "{}</p>\n",
       exporting::mujoco_friction(*friction, *torque / *force),
-      stated && open ? html("±\u00a0{}", percent(*stated + *open))
-                     : Html("not known to any per cent"));
+      torque_error(load) ? html("±\u00a0{}", percent(*torque_error(load)))
+                         : Html("not known to any per cent"));
 }
 
 Html load_section(const Json& report, const Json& report_case, const Json& load,
@@ -344,7 +353,7 @@ Html load_section(const Json& report, const Json& report_case, const Json& load,
              "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n"
              "<p class=\"facts\">{}</p>\n",
              index, newton(number(load, "load_N").value_or(0)), joined(facts, " · ")) +
-         numbers_table(report, load) + ladder_section(load) + warnings(load) +
+         numbers_table(report, load) + ladder_section(load) + warnings(report, load) +
          simulator_line(report_case, load) + reference_details(load, errors) + patch_table(load) +
          validity_table(report, load) + "</div>\n";
 }
@@ -392,6 +401,50 @@ Html verdict_badge(const Json& report_case) {
   return badge("failed", "? no reference");
 }
 
+Html torque_of_elements(const Json& load) {
+  const auto torque = number(child(load, "fem"), "max_torque_Nm");
+  if (!torque) return "";
+  const auto error = torque_error(load);
+  return html("{}\u00a0mN·m{}", significant(torque, 1e3),
+              error ? html(" ±\u00a0{}", percent(*error)) : Html(" (error not known)"));
+}
+
+Html torques_sentence(const Json& cases) {
+  struct Torque {
+    double torque_Nm;
+    Html words;
+  };
+  std::vector<Torque> torques;
+  for (const Json& one : cases)
+    for (const Json& load : child(one, "loads"))
+      if (const auto torque = number(child(load, "fem"), "max_torque_Nm"))
+        torques.push_back(
+            {*torque, html("<b>{}</b> {}at {}", torque_of_elements(load),
+                           cases.size() == 1 ? Html("") : html("({}) ", text(one, "id")),
+                           newton(number(load, "load_N").value_or(NAN)))});
+  if (torques.empty()) return "";
+  std::vector<Html> parts;
+  if (cases.size() == 1) {
+    for (const Torque& torque : torques) parts.push_back(torque.words);
+  } else {
+    const auto [least, largest] = std::minmax_element(
+        torques.begin(), torques.end(),
+        [](const Torque& one, const Torque& other) { return one.torque_Nm < other.torque_Nm; });
+    parts = {least->words + " to " + largest->words};
+  }
+  return html("<p class=\"lead\">Largest torque by the finite elements: {}.</p>\n",
+              joined(parts, ", "));
+}
+
+Html torques_cell(const Json& report_case) {
+  Html lines;
+  for (const Json& load : child(report_case, "loads"))
+    if (const Html torque = torque_of_elements(load); !torque.empty())
+      lines += html("<div>{}<small>at {}</small></div>", torque,
+                    newton(number(load, "load_N").value_or(NAN)));
+  return lines.empty() ? Html("–") : lines;
+}
+
 std::string searched_text(const Json& report_case) {
   std::string words;
   for (const char* key : {"id", "question", "verdict", "verdict_class"})
@@ -416,17 +469,21 @@ Html layer_text(const Json& layer) {
               plain(number(layer, "poisson_ratio")));
 }
 
-Html case_section(const Json& report, const Json& report_case,
-                  const judgement::CaseErrors& errors) {
+Html kicker(const std::string& id, bool has_overview) {
+  return html("<p class=\"kicker\"><code>{}</code>{}</p>\n", id,
+              has_overview ? Html(" <a href=\"#overview\">↑ overview</a>") : Html(""));
+}
+
+Html case_section(const Json& report, const Json& report_case, const judgement::CaseErrors& errors,
+                  bool has_overview) {
   const Json& layer = child(report_case, "layer");
   const Json& loads = child(report_case, "loads");
   const std::string id = text(report_case, "id");
   const std::string question = text(report_case, "question");
   Html out = html(
       "<section class=\"case\" id=\"{}\" data-case=\"{}\" data-filtered=\"{}\">\n"
-      "<p class=\"kicker\"><code>{}</code> <a href=\"#overview\">↑ overview</a></p>\n"
-      "<h3>{}</h3>\n<p class=\"verdict {}\">{} {}</p>\n",
-      case_anchor(report_case), id, searched_text(report_case), id,
+      "{}<h3>{}</h3>\n<p class=\"verdict {}\">{} {}</p>\n",
+      case_anchor(report_case), id, searched_text(report_case), kicker(id, has_overview),
       question.empty() ? id : question, text(report_case, "verdict_class"),
       verdict_badge(report_case), text(report_case, "verdict"));
   const Json& sublayers = child(report_case, "sublayers");
@@ -457,7 +514,7 @@ Html case_section(const Json& report, const Json& report_case,
                "Equal scale in both directions; the grey band is the FEM's stated error.") +
          chart("pressure", "Pressure along the axes.",
                "From the centre outwards; points are FEM nodes.") +
-         chart("torque", "Maximal torque about the normal.",
+         chart("torque", "Largest torque about the normal.",
                "Bar: exact rule; ring: the paper’s rule; grey band: FEM with its stated error.") +
          chart("ellipsoid", "Friction ellipsoid.",
                "Largest torque that a tangential force leaves, f² + τ²/eₙ² = μ²P².") +

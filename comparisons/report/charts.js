@@ -18,6 +18,11 @@ const Charts = (() => {
     const [unit, name] = [[1, "ns"], [1e3, "µs"], [1e6, "ms"], [1e9, "s"]].filter(([u]) => ns >= 0.9995 * u).pop() ?? [1, "ns"];
     return `${Number((ns / unit).toPrecision(2))} ${name}`;
   };
+  // A magnitude from 0 to 1, in the colours of report.css: they follow the reader's light or dark.
+  const ramp = (part) => {
+    const [from, to, share] = part < 0.5 ? [0, 1, 2 * part] : [1, 2, 2 * part - 1];
+    return `color-mix(in oklab, var(--ramp-${to}) ${Math.round(1000 * share) / 10}%, var(--ramp-${from}))`;
+  };
   // The largest value rounded up to the next tick, so that axes end on a labelled line.
   const niceTop = (value) => d3.scaleLinear().domain([0, value > 0 ? value : 1]).nice(5).domain()[1];
   const decades = ([low, high]) => d3.range(-15, 16).map((k) => 10 ** k).filter((v) => v >= low && v <= high);
@@ -421,5 +426,5 @@ const Charts = (() => {
     return () => figures.forEach((figure) => figure.width && draw(figure, figure.width));
   }
 
-  return {report, settings, styleOf, present, number, magnitude, percent, duration, niceTop, decades, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked, start};
+  return {report, settings, styleOf, present, number, magnitude, percent, duration, ramp, niceTop, decades, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked, start};
 })();

@@ -12,6 +12,7 @@
 #include "comparisons/experiments/experiments_report.h"
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
+#include "comparisons/report/style.h"
 
 namespace softfinger::report {
 namespace {
@@ -40,15 +41,18 @@ Html words_heading(const char* words) {
   return html("<th scope=\"col\" class=\"words\">{}</th>", words);
 }
 
-Html overview(const Json& list, bool links) {
+/// @param report  of `compare`, whose page has labels for names of models; null on the page alone
+Html overview(const Json& list, const Json& report) {
   Html rows;
   for (const Json& one : list) {
     const std::string id = text(one, "id");
-    const Html name = links ? html("<a href=\"#experiment-{0}\">{0}</a>", id) : escape(id);
+    const Html name =
+        report.is_null() ? html("<a href=\"#experiment-{0}\">{0}</a>", id) : escape(id);
     rows += html(
         "<tr><th scope=\"row\">{}<small>{}</small></th><td class=\"words\">{}<span>{}</span></td>"
         "</tr>\n",
-        name, text(one, "what"), badge(text(one, "verdict")), text(one, "sentence"));
+        name, text(one, "what"), badge(text(one, "verdict")),
+        with_labels(report, text(one, "sentence")));
   }
   return "<table class=\"overview sentences\"><thead><tr><th scope=\"col\">measurement</th><th "
          "scope=\"col\">theory against it</th></tr></thead>\n<tbody>" +
@@ -172,7 +176,7 @@ std::string render_experiments(const nlohmann::json& experiments) {
       verdict_counts(experiments) +
       "<nav><a href=\"#overview\">Overview</a> <a href=\"#sets\">Data sets</a> <a "
       "href=\"#provenance\">Provenance</a></nav></header>\n<h2 id=\"overview\">Overview</h2>\n" +
-      overview(list, true) + Html(kHowToRead) + "<h2 id=\"sets\">Data set by data set</h2>\n";
+      overview(list, Json()) + Html(kHowToRead) + "<h2 id=\"sets\">Data set by data set</h2>\n";
   for (const Json& one : list) body += data_set(one);
   const Json& source = child(experiments, "provenance");
   Html rows;
@@ -189,7 +193,7 @@ Html experiments_section(const Json& report) {
   const Json& list = child(experiments, "experiments");
   if (!list.is_array() || list.empty()) return "";
   return "<h2 id=\"experiments\">Against measurements</h2>\n" + verdict_counts(experiments) +
-         overview(list, false) +
+         overview(list, report) +
          "<p>All numbers: <code>softfinger experiments --page experiments.html</code>.</p>\n";
 }
 

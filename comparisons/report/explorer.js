@@ -192,7 +192,7 @@ function showKeyNumbers(answer, doubt) {
     ["with E × 2 or ÷ 2, h and μ ± 10 %", range],
     ["torque / μP, the length eₙ", `${number(1e3 * model.eccentricity_m)} mm`],
     ["size s = √(ab)/h", number(Number((Math.sqrt(model.a_m * model.b_m) / (1e-3 * state.h)).toPrecision(3)))],
-    ["approach / h", percent(model.indentation_m / (1e-3 * state.h))],
+    ["indentation / h", percent(model.indentation_m / (1e-3 * state.h))],
   ] : [];
   if (list.children.length !== 2 * rows.length)
     list.replaceChildren(...rows.flatMap(() => ["dt", "dd"].map((name) => document.createElement(name))));

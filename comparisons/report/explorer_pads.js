@@ -1,10 +1,12 @@
 // The flat pad's part of the page of `softfinger explore`.
-import {interpolateViridis} from "d3-scale-chromatic";
 import {Picture, all, allowed, copy, listenToSliders, number, percent, roundUp, sentence, showSliders, the, write} from "./explorer_parts.js";
 
 const PRESSINGS = ["stuck", "frictionless"], SHADES = 32;
-// Not all of the scale, so that neither end is lost on a white or a black page.
-const shade = (part) => interpolateViridis(0.06 + 0.88 * part);
+// A pressure from 0 to 1 of its peak, in the colours of report.css, as on the other pages (charts.js).
+const shade = (part) => {
+  const [from, to, share] = part < 0.5 ? [0, 1, 2 * part] : [1, 2, 2 * part - 1];
+  return `color-mix(in oklab, var(--ramp-${to}) ${Math.round(1000 * share) / 10}%, var(--ramp-${from}))`;
+};
 
 // @param changed  called once the sliders rest, for the address
 export function startPads(library, {sliders, models, start, outline, case: caseName}, changed) {

@@ -103,7 +103,7 @@ Html model_table() {
                  column_heading("contact within", "") + column_heading("torque within", "") +
                  column_heading("largest torque", "mN·m") + column_heading("torque / μP", "mm") +
                  column_heading("a", "mm") + column_heading("b", "mm") +
-                 column_heading("area", "mm²") + column_heading("approach", "mm") +
+                 column_heading("area", "mm²") + column_heading("indentation", "mm") +
                  column_heading("peak pressure", "kPa") + column_heading("time here"),
              model_rows()) +
          "<ul id=\"reasons\"></ul>\n<p>Pressed with this friction, by the models that know it; the "
@@ -131,10 +131,13 @@ Html simulator_cards(const char* part) {
 template <class Model>
 Html model_cards(const std::vector<const Model*>& models) {
   Html out;
+  std::vector<std::string> names;
+  for (const Model* model : models) names.emplace_back(model->card().name);
   for (const Model* model : models) {
     const ModelCard& card = model->card();
     out += html("<dt>{}: {}</dt><dd>{} {}</dd>\n", label(std::string(card.name)), card.title,
-                card.assumptions, card.validity);
+                with_labels_of(names, std::string(card.assumptions)),
+                with_labels_of(names, std::string(card.validity)));
   }
   return details("What each model assumes", "<dl>" + out + "</dl>");
 }

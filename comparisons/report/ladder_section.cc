@@ -94,12 +94,11 @@ Html ladder_section(const Json& load) {
   const Json& ladder = child(load, "ladder");
   for (const Json& step : ladder) (is_doubt(step) ? doubts : steps).push_back(&step);
   if (steps.size() < 2) return "";
-  return html(
-             "<h5>What each idealisation costs</h5>\n<p>{} Bars go from one step’s departure from "
-             "the reference to the next one’s.</p>\n",
-             text(load, "largest_step")) +
-         html("<div class=\"scroll\" tabindex=\"0\">{}</div>\n", picture(steps)) +
-         doubts_line(doubts);
+  return details(
+      html("What each idealisation costs: {}", text(load, "largest_step")),
+      "<p>Bars go from one step’s departure from the reference to the next one’s.</p>\n" +
+          html("<div class=\"scroll\" tabindex=\"0\">{}</div>\n", picture(steps)) +
+          doubts_line(doubts));
 }
 
 }  // namespace softfinger::report

@@ -1,6 +1,8 @@
 #include "comparisons/report/mesh_page.h"
 
 #include <cmath>
+#include <sstream>
+#include <string>
 
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/report/embedded.h"
@@ -55,6 +57,18 @@ Html point_table(const std::vector<MeshPoint>& points) {
       rows);
 }
 
+/// The first thing to read: the prediction, a line for each load, or what the mesh is.
+Html header(const MeshPage& content) {
+  if (!content.prediction)
+    return html("<h1>{}</h1>\n<p class=\"lead\">{}</p>\n", content.mesh, content.facts);
+  Html lines;
+  std::istringstream text(content.prediction->answers);
+  for (std::string line; std::getline(text, line);)
+    lines += html("<p class=\"{}\">{}</p>\n", line.rfind(' ', 0) == 0 ? "facts" : "lead", line);
+  return html("<h1>{}</h1>\n", content.prediction->case_id) + lines +
+         html("<p class=\"facts\">{}: {}</p>\n", content.mesh, content.facts);
+}
+
 /// Viewer that only a script can fill; hidden without one (mesh.css).
 Html viewer() {
   return "<section class=\"viewer\">\n<div class=\"view\"><canvas aria-label=\"The surface in "
@@ -90,9 +104,11 @@ std::string mesh_page(const TriangleSurface& surface, const MeshPage& content) {
   }
   const bool is_coarsened = surface.triangles.size() > kMostDrawn;
   const Html body =
-      html("<header><h1>{}</h1>\n<p class=\"lead\">{}</p>\n{}</header>\n", content.mesh,
-           content.facts, doubts) +
-      viewer() +
+      "<header>" + header(content) + doubts + "</header>\n" + viewer() +
+      (content.prediction ? html("<h2 id=\"prediction\">The prediction by each model</h2>\n"
+                                 "<pre>{}</pre>\n",
+                                 content.prediction->numbers)
+                          : Html()) +
       (is_coarsened ? html("<p>Drawn coarser than it is, with at most {} triangles; the numbers of "
                            "the table are those of the surface itself.</p>\n",
                            kMostDrawn)
@@ -107,7 +123,7 @@ std::string mesh_page(const TriangleSurface& surface, const MeshPage& content) {
           "<details><summary>Licences of the libraries in this file</summary>\n"
           "<pre>three.js\n\n{}</pre></details>\n",
           content.version, content.command, embedded::three_licence);
-  return render_page({escape(content.mesh),
+  return render_page({escape(content.prediction ? content.prediction->case_id : content.mesh),
                       {embedded::report_css, embedded::mesh_css},
                       body,
                       {{"mesh", content.mesh},

@@ -20,6 +20,13 @@ struct MeshPoint {
   std::string verdict = {};       ///< what pressing it gives; empty where it was not pressed
 };
 
+/// The answer of `predict`, where the page is of a case: its lines as they are printed.
+struct PrintedPrediction {
+  std::string case_id;
+  std::string answers;  ///< a line for each load, with remarks below that begin with a space
+  std::string numbers;  ///< tables of the models
+};
+
 struct MeshPage {
   std::string mesh;          ///< as typed
   std::string mesh_entries;  ///< of a case's body: mesh = "tip.stl", unit = "mm"
@@ -28,6 +35,7 @@ struct MeshPage {
   std::string facts;  ///< size, triangles, closed or not: a sentence or two
   std::vector<std::string> doubts;
   std::vector<MeshPoint> points;
+  std::optional<PrintedPrediction> prediction = {};
   std::string version, command;
 };
 

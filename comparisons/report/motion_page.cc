@@ -28,26 +28,27 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{}\u00a0{}", count, count == 1 ? one : many);
 }
 
-Html summary(const Recording& recording, const std::vector<ContactTrack>& tracks) {
-  if (recording.frames.empty()) return "<p class=\"lead\">Nothing was recorded.</p>\n";
+/// Counts of the bodies, steps and contacts that were recorded.
+Html recorded(const Recording& recording, const std::vector<ContactTrack>& tracks) {
   const std::size_t movable =
       std::count_if(recording.bodies.begin(), recording.bodies.end(),
                     [](const simulation::RecordedBody& body) { return body.movable; });
   const std::size_t shown = shown_frames(recording).size();
-  Html text = html("<p>{} ({} of them movable), {} over {}\u00a0s, ",
+  Html text = html("{} ({} of them movable), {} over {}\u00a0s, ",
                    counted(recording.bodies.size(), "body", "bodies"), movable,
                    counted(recording.frames.size() - 1, "step", "steps"),
                    plain(recording.frames.back().time_s - recording.frames.front().time_s));
-  text += escape(tracks.empty() ? "no contact." : counted(tracks.size(), "contact.", "contacts."));
+  text += escape(tracks.empty() ? "no contact" : counted(tracks.size(), "contact", "contacts"));
   if (shown < recording.frames.size())
     text += html(
-        " The player and the charts show {} of the {} recorded instants; the tables are of all.",
+        "; the player and the charts show {} of the {} recorded instants, the tables are of all",
         shown, recording.frames.size());
-  return text + "</p>\n";
+  return text;
 }
 
 /// The answer: whether it holds, until when, what slips first, how near the rest is to it.
 Html verdict(const Recording& recording, const std::vector<ContactTrack>& tracks) {
+  if (recording.frames.empty()) return "<p class=\"lead\">Nothing was recorded.</p>\n";
   const std::string words = in_words(examine_hold(recording, tracks), recording, tracks);
   if (words.empty()) return "";
   const std::size_t colon = words.find(':');
@@ -66,14 +67,13 @@ Html limits_in_words(std::size_t slipping, std::size_t creeping, std::size_t con
                  slipping == 1 ? "slips" : "slip");
   if (creeping > 0)
     text += (slipping > 0 ? Html(", and ") : Html("")) +
-            html("<b>{} of {} {} at {} friction limit</b> without slipping: {} by less than {} µm",
-                 creeping, counted(contacts, "contact", "contacts"), creeping == 1 ? "is" : "are",
-                 creeping == 1 ? "its" : "their", creeping == 1 ? "it creeps" : "they creep",
-                 plain(1e6 * Hold::kLeastSlip_m));
+            html("<b>{} of {} {} at {} friction limit</b> without slipping", creeping,
+                 counted(contacts, "contact", "contacts"), creeping == 1 ? "is" : "are",
+                 creeping == 1 ? "its" : "their");
   return text;
 }
 
-/// State at the end: what still moves, what slips or is at its limit, what is nearest to it.
+/// State at the end: what still moves, how many contacts slip or are at their limit.
 Html outcome(const Recording& recording, const States& states) {
   if (recording.frames.size() < 2) return "";
   const simulation::Frame& end = recording.frames.back();
@@ -87,8 +87,7 @@ Html outcome(const Recording& recording, const States& states) {
     if (recording.bodies[body].movable &&
         (fastest == recording.bodies.size() || unrest(body) > unrest(fastest)))
       fastest = body;
-  Html text =
-      html("<p>At the end, after {}\u00a0s, ", plain(end.time_s - recording.frames.front().time_s));
+  Html text = "<p>At the end ";
   if (fastest == recording.bodies.size()) {
     text += "nothing can move";
   } else if (unrest(fastest) < 1) {
@@ -104,18 +103,17 @@ Html outcome(const Recording& recording, const States& states) {
     slipping += of_track.back() == Hold::State::slips;
     creeping += of_track.back() == Hold::State::at_limit;
   }
-  const RecordedContact* nearest = nullptr;
-  for (const RecordedContact& contact : end.contacts) {
-    if (!contact.slides && (!nearest || contact.utilisation > nearest->utilisation))
-      nearest = &contact;
-  }
   if (end.contacts.empty()) return text + ", and nothing touches.</p>\n";
-  text += limits_in_words(slipping, creeping, end.contacts.size());
-  if (nearest)
-    text += html(", and of those that stick {} – {} is nearest to its limit, with {} of it used",
-                 recording.bodies[std::size_t(nearest->a)].name,
-                 recording.bodies[std::size_t(nearest->b)].name, percent(nearest->utilisation));
-  return text + ".</p>\n";
+  return text + limits_in_words(slipping, creeping, end.contacts.size()) + ".</p>\n";
+}
+
+/// The answer's warning. Its reasons follow the player, which they would push off the screen.
+Html doubt(const Recording& recording) {
+  if (recording.unknown.empty()) return "";
+  return html("<p><b>{} <a href=\"#unknown\">outside what is known</a>.</b></p>\n",
+              recording.unknown.size() == 1
+                  ? "One soft contact is"
+                  : fmt::format("{} soft contacts are", recording.unknown.size()));
 }
 
 /// Soft contacts of which nothing is known, and those that are points.
@@ -124,7 +122,8 @@ Html doubts(const Recording& recording) {
   for (const simulation::UnknownContact& contact : recording.unknown)
     rows += html("<li>{}</li>\n",
                  simulation::in_words(contact, recording.bodies, int(recording.frames.size()) - 1));
-  return rows.empty() ? rows : "<p><b>Outside what is known:</b></p>\n<ul>\n" + rows + "</ul>\n";
+  return rows.empty() ? rows
+                      : "<h2 id=\"unknown\">Outside what is known</h2>\n<ul>\n" + rows + "</ul>\n";
 }
 
 /// Empty places that motion.js fills; hidden without it.
@@ -167,9 +166,10 @@ constexpr char kPlayer[] = R"(<section class="player" aria-label="Motion in 3-D"
 
 Html final_contacts(const Recording& recording, const std::vector<ContactTrack>& tracks,
                     const States& states) {
-  Html out = "<h2 id=\"final\">Contacts at the end</h2>\n";
-  if (recording.frames.empty() || recording.frames.back().contacts.empty())
-    return out + "<p>At the end nothing touches.</p>\n";
+  Html out = "<h2 id=\"final\">Contacts at the end</h2>\n" + outcome(recording, states);
+  if (recording.frames.empty()) return "";
+  if (recording.frames.back().contacts.empty())
+    return recording.frames.size() < 2 ? out + "<p>Nothing touches.</p>\n" : out;
   Html rows;
   for (std::size_t track = 0; track < tracks.size(); ++track) {
     const auto index = tracks[track].contacts.back();
@@ -253,20 +253,21 @@ Html contacts_over_time(const Recording& recording, const std::vector<ContactTra
                          rows);
 }
 
-Html provenance(const Recording& recording, const MotionPageOptions& options) {
+Html provenance(const Recording& recording, const std::vector<ContactTrack>& tracks,
+                const MotionPageOptions& options) {
   Html rows;
-  const auto row = [&](const char* name, const std::string& value) {
+  const auto row = [&](const char* name, const Html& value) {
     if (!value.empty()) rows += html("<dt>{}</dt><dd>{}</dd>", name, value);
   };
-  row("version", options.version);
-  row("date", options.date);
-  row("time step", recording.time_step_s > 0 ? duration(recording.time_step_s) : "");
+  if (!recording.frames.empty()) row("recorded", recorded(recording, tracks));
+  row("version", escape(options.version));
+  row("date", escape(options.date));
   Html out = "<h2 id=\"provenance\">Where this comes from</h2>\n";
   if (!rows.empty()) out += "<dl class=\"provenance\">" + rows + "</dl>\n";
   if (!options.command.empty())
     out += html("<p>To repeat it:</p>\n<pre>{}</pre>\n", options.command);
   if (!options.scene_text.empty())
-    out += html("<details open><summary>The scene</summary>\n<pre>{}</pre></details>\n",
+    out += html("<details><summary>The scene</summary>\n<pre>{}</pre></details>\n",
                 options.scene_text);
   return out + html(
                    "<details><summary>Licences of the libraries in this file</summary>\n"
@@ -280,13 +281,12 @@ std::string motion_page(const Recording& recording, const MotionPageOptions& opt
   const std::vector<ContactTrack> tracks = follow_contacts(recording);
   States states;
   for (const ContactTrack& track : tracks) states.push_back(states_of(recording, track));
-  const Html body = html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}</header>\n",
-                         recording.scene, recording.question,
-                         verdict(recording, tracks) + outcome(recording, states) +
-                             doubts(recording) + summary(recording, tracks)) +
-                    (recording.frames.empty() ? Html("") : kPlayer) +
-                    final_contacts(recording, tracks, states) +
-                    contacts_over_time(recording, tracks, states) + provenance(recording, options);
+  const Html body =
+      html("<header><h1>{}</h1>\n<p class=\"subtitle\">{}</p>\n{}</header>\n", recording.scene,
+           recording.question, verdict(recording, tracks) + doubt(recording)) +
+      (recording.frames.empty() ? Html("") : kPlayer) + doubts(recording) +
+      final_contacts(recording, tracks, states) + contacts_over_time(recording, tracks, states) +
+      provenance(recording, tracks, options);
   return render_page({escape(recording.scene),
                       {embedded::report_css, embedded::motion_css},
                       body,

@@ -27,7 +27,7 @@ struct PadColumn {
   const char *stated, *relative;
 };
 const std::array<PadColumn, 8> kPadTable{{
-    {"max torque", "mN·m", "max_torque_Nm", -1, 1e3, "max_torque", "max_torque"},
+    {"largest torque", "mN·m", "max_torque_Nm", -1, 1e3, "max_torque", "max_torque"},
     {"e<sub>n</sub>", "mm", "eccentricity_m", -1, 1e3, "", ""},
     {"arm as pressed", "mm", "pressure_arm_m", -1, 1e3, "pressure_arm", "pressure_arm"},
     {"indentation", "mm", "indentation_m", -1, 1e3, "indentation", "indentation"},
@@ -108,7 +108,7 @@ Html bounds_of(const Json& report, const Json& load) {
     const char *key, *words, *of_elements;
   };
   static constexpr std::array<Bounded, 6> kBounds{
-      {{"max_torque", "max torque", "max_torque"},
+      {{"max_torque", "largest torque", "max_torque"},
        {"pressure_arm", "arm as pressed", "pressure_arm"},
        {"indentation", "indentation", "indentation"},
        {"normal_stiffness", "stiffness", "normal_stiffness"},
@@ -141,12 +141,13 @@ Html bounds_of(const Json& report, const Json& load) {
                                  rows));
 }
 
-Html pad_warnings(const Json& load) {
+Html pad_warnings(const Json& report, const Json& load) {
   Html items;
   for (const Json& model : child(load, "models")) {
     std::vector<Html> reasons;
     for (const Json& check : child(model, "validity"))
-      if (!flag(check, "holds")) reasons.push_back(escape(text(check, "message")));
+      if (!flag(check, "holds"))
+        reasons.push_back(escape(with_labels(report, text(check, "message"))));
     if (!reasons.empty())
       items += html("<li><b>{}</b>: {}</li>\n", label(text(model, "model")), joined(reasons, "; "));
   }
@@ -332,7 +333,8 @@ Html pads_summary(const Json& pads) {
   if (!open.empty()) words += html("Ask the finite elements for {}. ", joined(open, ", "));
   return "<p class=\"lead\">" + words +
          html("<small>{} against finite elements of the whole pad, in linear theory.</small></p>\n",
-              pads.size() == 1 ? std::string("One pad") : fmt::format("{} pads", pads.size()));
+              pads.size() == 1 ? std::string("One pad") : fmt::format("{} pads", pads.size())) +
+         torques_sentence(pads);
 }
 
 Html pads_overview(const Json& report, const Json& pads) {
@@ -351,28 +353,30 @@ Html pads_overview(const Json& report, const Json& pads) {
     }
     rows += html(
         "<tr data-filtered=\"{}\"><th scope=\"row\"><a href=\"#{}\">{}</a><small>{}</small></th>"
+        "<td class=\"words\" data-label=\"torque, FEM\">{}</td>"
         "<td class=\"words\" data-label=\"nearest\">{}</td>"
         "<td data-label=\"its worst error\">{}</td>"
         "<td class=\"words\">{}<span>{}</span></td></tr>\n",
-        searched_text(pad), case_anchor(pad), text(pad, "id"), text(pad, "question"), model, error,
-        verdict_badge(pad), text(pad, "verdict"));
+        searched_text(pad), case_anchor(pad), text(pad, "id"), text(pad, "question"),
+        torques_cell(pad), model, error, verdict_badge(pad), text(pad, "verdict"));
   }
-  return "<table class=\"overview\"><thead><tr><th scope=\"col\">flat pad and question</th>"
-         "<th scope=\"col\">nearest model</th><th scope=\"col\">its worst error</th>"
+  return "<table class=\"overview cases\"><thead><tr><th scope=\"col\">flat pad and question</th>"
+         "<th scope=\"col\">torque, FEM</th><th scope=\"col\">nearest model</th><th "
+         "scope=\"col\">its worst error</th>"
          "<th scope=\"col\">verdict</th></tr></thead>\n<tbody>" +
          rows + "</tbody></table>\n";
 }
 
-Html pad_section(const Json& report, const Json& pad) {
+Html pad_section(const Json& report, const Json& pad, bool has_overview) {
   const Json& loads = child(pad, "loads");
   const Json& layer = child(pad, "layer");
   const std::string id = text(pad, "id"), question = text(pad, "question");
   Html out = html(
       "<section class=\"case\" id=\"{}\" data-case=\"{}\" data-filtered=\"{}\">\n"
-      "<p class=\"kicker\"><code>{}</code> <a href=\"#overview\">↑ overview</a></p>\n"
-      "<h3>{}</h3>\n<p class=\"verdict {}\">{} {}</p>\n",
-      case_anchor(pad), id, searched_text(pad), id, question.empty() ? id : question,
-      text(pad, "verdict_class"), verdict_badge(pad), text(pad, "verdict"));
+      "{}<h3>{}</h3>\n<p class=\"verdict {}\">{} {}</p>\n",
+      case_anchor(pad), id, searched_text(pad), kicker(id, has_overview),
+      question.empty() ? id : question, text(pad, "verdict_class"), verdict_badge(pad),
+      text(pad, "verdict"));
   out += html("<p class=\"facts\">{} · {} mm, E {} kPa, ν {} · friction coefficient {}</p>\n",
               text(pad, "description"), plain(number(layer, "thickness_m"), 1e3),
               plain(number(layer, "youngs_modulus_Pa"), 1e-3),
@@ -397,7 +401,7 @@ Html pad_section(const Json& report, const Json& pad) {
       pad_figure("padpressure", "Pressure along both lines.",
                  "From edge to edge; points are FEM nodes. At the rim of a stuck face, and at an "
                  "object’s edge, linear theory has no largest pressure, and the picture ends.") +
-      pad_figure("torque", "Maximal torque about the normal.",
+      pad_figure("torque", "Largest torque about the normal.",
                  "Grey band: FEM with its stated error.") +
       pad_figure("ellipsoid", "Friction ellipsoid.",
                  "Largest torque that a tangential force leaves, f² + τ²/eₙ² = μ²P².") +
@@ -405,7 +409,7 @@ Html pad_section(const Json& report, const Json& pad) {
   for (std::size_t i = 0; i < loads.size(); ++i)
     out += html("<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n", i,
                 newton(number(loads[i], "load_N").value_or(0))) +
-           pad_numbers(report, loads[i]) + pad_warnings(loads[i]) +
+           pad_numbers(report, loads[i]) + pad_warnings(report, loads[i]) +
            pad_simulator_line(pad, loads[i]) + bounds_of(report, loads[i]) +
            elements_details(loads[i]) + "</div>\n";
   if (!text(pad, "case_toml").empty())

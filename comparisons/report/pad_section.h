@@ -14,7 +14,7 @@ Html pads_summary(const Json& pads);
 Html pads_overview(const Json& report, const Json& pads);
 
 /// One pad: question, verdict, places for the charts, every number as a table.
-Html pad_section(const Json& report, const Json& pad);
+Html pad_section(const Json& report, const Json& pad, bool has_overview);
 
 /// Data of the charts of the pads (report.js).
 Json pads_chart_data(const Json& pads);

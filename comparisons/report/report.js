@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const {report, styleOf, present, number, percent, duration, niceTop, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked} = Charts;
+  const {report, styleOf, present, number, percent, duration, ramp, niceTop, base, TICK_AT_END, besideTicks, plot, tip, legend, stacked} = Charts;
   const FEM = styleOf("fem");
 
   // The reference first and broad, models on top and thin: a model that agrees hides neither.
@@ -138,7 +138,7 @@
     return plot({
       ...base(width, Math.max(290, 60 + 34 * rows.length)),
       marginLeft: Math.min(150, 14 + 7 * longest),
-      x: {domain: [0, top], label: "maximal torque, mN·m →", ticks: 5},
+      x: {domain: [0, top], label: "largest torque, mN·m →", ticks: 5},
       y: {domain, label: null, grid: false, tickSize: 0, padding: Math.max(0.35, 1 - rows.length / 7)},
       marks: [
         ...(fem ? [
@@ -206,7 +206,7 @@
     });
     const centre = d3.polygonCentroid(outline.map((p) => [p.x, p.y]));
     const bands = d3.ticks(0, 1e-3 * load.fem.peak_pressure_Pa, 6);
-    const colour = (k) => d3.interpolateYlGnBu(0.12 + 0.8 * k / Math.max(1, bands.length - 1));
+    const colour = (k) => ramp(k / Math.max(1, bands.length - 1));
     const across = (k) => d3.extent(outline, (p) => p["xy"[k]]);
     const picture = plot({
       ...frameOptions,
@@ -293,7 +293,7 @@
       marginLeft: 60,
       x: {type: "log", domain, label: "time of one answer →", tickFormat: duration,
         ticks: decades(domain).filter((v) => width > 480 || Math.round(Math.log10(v)) % 3 === 0)},
-      y: {type: "log", domain: range, ticks: decades(range), label: "↑ error of the maximal torque",
+      y: {type: "log", domain: range, ticks: decades(range), label: "↑ error of the largest torque",
         tickFormat: (v) => `${Number((100 * v).toPrecision(1))} %`},
       marks: [
         Plot.ruleY([report.tolerance], {strokeOpacity: 0.5, strokeDasharray: "3 3"}),
@@ -312,7 +312,7 @@
     const points = report.cases.flatMap((c) => c.loads.map((load) => {
       const ranked = d3.sort(load.models.filter((m) => present(m.score)), (m) => !m.usable, (m) => m.usable && !m.hot_path, (m) => m.score);
       if (!ranked.length || !(load.s > 0) || !present(c.poisson_ratio)) return null;
-      const best = ranked[0];
+      const best = ranked.find((m) => m.model === load.recommended) ?? ranked[0];
       // A mean over sublayers has all the digits of a double.
       const poissonRatio = String(Number(c.poisson_ratio.toPrecision(4)));
       return {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -137,22 +138,33 @@ std::optional<Recommended> recommended(const std::vector<ComparedLoad>& loads, d
   return best;
 }
 
-/// Answer to the question which models to use for these contacts.
-Html answer(const Json& report, const Cases& cases) {
-  const double limit = tolerance(report);
-  std::vector<ComparedLoad> open, unsolved, undetermined, none;
+/// The models to use for the loads with curved contacts, and the loads for which there is none.
+struct Advice {
+  std::vector<Recommended> uses;  ///< in the order in which the page names them
+  std::vector<ComparedLoad> solved, none, undetermined, unsolved;
+
+  std::vector<std::string> models() const {
+    std::vector<std::string> names;
+    for (const Recommended& use : uses) names.push_back(use.model);
+    return names;
+  }
+  /// Empty where no model is usable.
+  std::string model_at(const judgement::LoadErrors& load) const {
+    for (const Recommended& use : uses)
+      for (const ComparedLoad& one : use.usable_at)
+        if (one.load == &load) return use.model;
+    return "";
+  }
+};
+
+Advice advice_on(const Cases& cases, double limit) {
+  Advice advice;
   for (const judgement::CaseErrors& one : cases)
     for (const judgement::LoadErrors& load : one.loads)
-      (load.fem_finished ? open : unsolved).push_back({&one, &load});
-  const std::size_t all = open.size();
-  std::vector<Html> sentences;
+      (load.fem_finished ? advice.solved : advice.unsolved).push_back({&one, &load});
+  std::vector<ComparedLoad> open = advice.solved;
   while (const auto use = recommended(open, limit)) {
-    const std::size_t count = use->usable_at.size();
-    const Html where = count == all        ? html("everywhere")
-                       : sentences.empty() ? html("at {} of {}", count, plural(int(all), "load"))
-                                           : html("for {}", names_of(use->usable_at));
-    sentences.push_back(html("Use <b>{}</b> {}: contact and torque within {}.", label(use->model),
-                             where, percent(use->worst)));
+    advice.uses.push_back(*use);
     std::vector<ComparedLoad> left;
     for (const ComparedLoad& one : open)
       if (std::none_of(use->usable_at.begin(), use->usable_at.end(),
@@ -161,25 +173,40 @@ Html answer(const Json& report, const Cases& cases) {
     open = left;
   }
   for (const ComparedLoad& one : open)
-    (one.load->geometry_error > limit ? undetermined : none).push_back(one);
-  if (!none.empty())
+    (one.load->geometry_error > limit ? advice.undetermined : advice.none).push_back(one);
+  return advice;
+}
+
+/// Answer to the question which models to use for these contacts.
+Html answer(const Advice& advice) {
+  std::vector<Html> sentences;
+  for (const Recommended& use : advice.uses) {
+    const std::size_t count = use.usable_at.size(), all = advice.solved.size();
+    const Html where = count == all        ? html("everywhere")
+                       : sentences.empty() ? html("at {} of {}", count, plural(int(all), "load"))
+                                           : html("for {}", names_of(use.usable_at));
+    sentences.push_back(html("Use <b>{}</b> {}: contact and torque within {}.", label(use.model),
+                             where, percent(use.worst)));
+  }
+  if (!advice.none.empty())
     sentences.push_back(
-        html("Ask the finite elements for {}: no model is usable there.", names_of(none)));
-  if (!undetermined.empty())
+        html("Ask the finite elements for {}: no model is usable there.", names_of(advice.none)));
+  if (!advice.undetermined.empty())
     sentences.push_back(
         html("The mesh does not determine {}: take a finer scan, another point or "
              "a larger load.",
-             names_of(undetermined)));
-  if (!unsolved.empty())
-    sentences.push_back(html("There is no reference for {}.", names_of(unsolved)));
+             names_of(advice.undetermined)));
+  if (!advice.unsolved.empty())
+    sentences.push_back(html("There is no reference for {}.", names_of(advice.unsolved)));
   return joined(sentences, " ");
 }
 
 /// The first paragraph says what to use, the second how sure that is.
-Html summary(const Json& report, const Cases& cases) {
+Html summary(const Json& report, const Cases& cases, const Advice& advice) {
   const double limit = tolerance(report);
   const judgement::ReferenceSummary reference = judgement::reference_summary(cases, limit);
-  Html out = "<p class=\"lead\">" + answer(report, cases) + "</p>\n";
+  Html out = "<p class=\"lead\">" + answer(advice) + "</p>\n";
+  out += torques_sentence(child(report, "cases"));
   out += html("<p>{} at {}, compared with finite elements. {}", plural(reference.cases, "case"),
               plural(reference.loads, "load"), trust_sentence(reference, limit));
   std::vector<Html> models;
@@ -218,15 +245,17 @@ Html overview_table(const Json& report, const Cases& cases) {
     }
     rows += html(
         "<tr data-filtered=\"{}\"><th scope=\"row\"><a href=\"#{}\">{}</a><small>{}</small></th>"
+        "<td class=\"words\" data-label=\"torque, FEM\">{}</td>"
         "<td class=\"words\" data-label=\"nearest\">{}</td>"
         "<td data-label=\"its worst error\">{}</td>"
         "<td class=\"words\">{}<span>{}</span></td></tr>\n",
         searched_text(report_case), case_anchor(report_case), text(report_case, "id"),
-        text(report_case, "question"), model, error, verdict_badge(report_case),
-        text(report_case, "verdict"));
+        text(report_case, "question"), torques_cell(report_case), model, error,
+        verdict_badge(report_case), text(report_case, "verdict"));
   }
-  return "<table class=\"overview\"><thead><tr><th scope=\"col\">case and question</th>"
-         "<th scope=\"col\">nearest model</th><th scope=\"col\">its worst error</th>"
+  return "<table class=\"overview cases\"><thead><tr><th scope=\"col\">case and question</th>"
+         "<th scope=\"col\">torque, FEM</th><th scope=\"col\">nearest model</th><th "
+         "scope=\"col\">its worst error</th>"
          "<th scope=\"col\">verdict</th></tr></thead>\n<tbody>" +
          rows + "</tbody></table>\n";
 }
@@ -255,14 +284,14 @@ Html usability_table(const Json& report, const Cases& cases) {
 Html overview_charts() {
   return R"(<div class="charts">
 <figure data-chart="cost"><figcaption><b>Speed against accuracy.</b> Small marks: one prediction each (hollow where the model’s assumptions fail); large marks: medians. The line joins those for which no other is both faster and more accurate. FEM is shown with the error that it states itself.</figcaption><div class="plot"></div></figure>
-<figure data-chart="map"><figcaption><b>Which model where.</b> Every load at its contact size s and Poisson ratio ν, coloured by its most accurate usable model, a fast one where there is any. Hollow: none is usable; the colour is that of the most accurate one.</figcaption><div class="plot"></div></figure>
+<figure data-chart="map"><figcaption><b>Which model where.</b> Every load at its contact size s and Poisson ratio ν, coloured by the model that is recommended there. Hollow: none is usable; the colour is that of the most accurate one.</figcaption><div class="plot"></div></figure>
 </div>
 )";
 }
 
 /// A simulator's constant is right at one load only. The table gives a constant for all loads of a
 /// case and its error.
-Html simulator_table(const Json& report) {
+Html simulator_table(const Json& report, bool is_single) {
   Html rows;
   for (const Json& report_case : child(report, "cases")) {
     const auto friction = number(report_case, "friction_coefficient");
@@ -284,22 +313,28 @@ Html simulator_table(const Json& report) {
         case_anchor(report_case), text(report_case, "id"), *friction, joined(at_loads, "<br>"),
         best.value, arms.size() > 1 ? "±\u00a0" + percent(best.worst_error) : "one load only");
   }
-  if (rows.empty()) return "";
-  return "<h2 id=\"simulator\">What to type into a simulator</h2>\n"
-         "<p>MuJoCo’s elliptic cone with <code>condim=\"4\"</code> is the friction ellipsoid of "
-         "this page: <code>friction[0]</code> is μ, <code>friction[1]</code> the largest torque "
-         "divided by the load, e<sub>n</sub>·μ, in metres. Write <code>friction=\"μ friction[1] "
-         "0.0001\"</code> on the geom and <code>&lt;option cone=\"elliptic\"/&gt;</code>; of two "
-         "geoms in contact the larger value counts. The right value grows with the load, but a "
-         "simulator keeps it constant: the last columns give the one constant whose largest "
-         "relative error over the loads of the case is smallest, 2/(1/least + 1/largest), and that "
-         "error. <code>softfinger export --fit range</code> uses the same rule.</p>\n"
+  // A single load has its line in its own section.
+  if (rows.empty() || (is_single && child(child(report, "cases")[0], "loads").size() < 2))
+    return "";
+  const Html rule =
+      "<p>MuJoCo’s elliptic cone with <code>condim=\"4\"</code> is the friction ellipsoid of "
+      "this page: <code>friction[0]</code> is μ, <code>friction[1]</code> the largest torque "
+      "divided by the load, e<sub>n</sub>·μ, in metres. Write <code>friction=\"μ friction[1] "
+      "0.0001\"</code> on the geom and <code>&lt;option cone=\"elliptic\"/&gt;</code>; of two "
+      "geoms in contact the larger value counts. The right value grows with the load, but a "
+      "simulator keeps it constant: the last columns give the one constant whose largest "
+      "relative error over the loads of the case is smallest, 2/(1/least + 1/largest), and that "
+      "error. <code>softfinger export --fit range</code> uses the same rule.</p>\n";
+  return "<h2 id=\"simulator\">What to type into a simulator</h2>\n" +
+         (is_single ? Html("") : rule) +
          "<div class=\"scroll\" tabindex=\"0\"><table><thead><tr><th scope=\"col\">case</th>"
          "<th scope=\"col\">friction[0]</th><th scope=\"col\">friction[1] by FEM <span "
          "class=\"unit\">m"
          "</span></th><th scope=\"col\">one constant <span class=\"unit\">m</span></th>"
          "<th scope=\"col\">its error</th></tr></thead>\n<tbody>" +
-         rows + "</tbody></table></div>\n";
+         rows + "</tbody></table></div>\n" +
+         (is_single ? details("Where these numbers go, and how the constant is found", rule)
+                    : Html(""));
 }
 
 Html how_to_read(const Json& report, const Json& pads) {
@@ -308,18 +343,18 @@ Html how_to_read(const Json& report, const Json& pads) {
           ? ""
           : Html(
                 "<li>A flat pad touches where pad and face overlap: it has no semi-axes, and its "
-                "area is known. A model is called usable there where the maximal torque is within "
+                "area is known. A model is called usable there where the largest torque is within "
                 "the tolerance and the model states a bound. The reference is the whole pad with "
                 "its free sides, in linear theory.</li>\n");
   return html(
       R"(<h2 id="reading">How to read this page</h2>
 <ul>
 <li>Lengths are in the contact frame: z along the normal, x along the long axis of the contact, so a ≥ b. A contact is described by its load P, the relative radii R′ ≥ R″, the layer (thickness h, Young’s modulus E, Poisson ratio ν) and friction μ.</li>
-<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model overestimates. A model is called usable where a, b, area and maximal torque are within ±{} and the contact lies in the model’s own range.</li>
+<li>Errors are (model − FEM)/FEM at the same load. A plus means that the model overestimates. A model is called usable where a, b, area and largest torque are within ±{} and the contact lies in the model’s own range.</li>
 <li>The reference is the finger itself at finite strain, unless the case or the command asks for less: what a flat layer, small strain and small slopes cost a model is then part of its errors. “Beyond its limits, measured here” means just that.</li>
 <li>± behind an FEM value is the error that it states itself, from its last two meshes. A smaller difference says nothing about a model.</li>
 <li>“Outside its range” means that another assumption of the model fails, or one that this reference shares. A small error there can be a coincidence, where the error changes its sign. Such agreement does not make the model usable.</li>
-<li>e<sub>n</sub> is the maximal torque divided by μP. The <i>exact</i> torque integrates μ p r over the ellipse; the <i>paper</i> rule takes the circle of the same area and is lower for long contacts.</li>
+<li>e<sub>n</sub> is the largest torque divided by μP. The <i>exact</i> torque integrates μ p r over the ellipse; the <i>paper</i> rule takes the circle of the same area and is lower for long contacts.</li>
 {}</ul>
 )",
       plain(tolerance(report), 100) + " %", of_pads);
@@ -334,7 +369,7 @@ Html model_cards(const Json& report) {
                 text(card, "title"));
     for (const char* key : {"assumptions", "equations", "validity", "cost", "source"})
       if (const std::string value = text(card, key); !value.empty())
-        out += html("<dt>{}</dt><dd>{}</dd>", key, value);
+        out += html("<dt>{}</dt><dd>{}</dd>", key, with_labels(report, value));
     out += "</dl></article>\n";
   }
   return out + "</div>\n";
@@ -367,40 +402,76 @@ Html case_filter(const Json& report) {
          "placeholder=\"e.g. seed, silicone, partly\"></label></p>\n";
 }
 
+/// Whether pictures over the error atlas belong to the page: they are of curved contacts, and of no
+/// use where they lack a model that the page recommends.
+bool shows_atlas(const Json& report, const Json& pads, const Cases& cases, const Advice& advice) {
+  return (!cases.empty() || pads.empty()) && atlas_has(report, advice.models());
+}
+
+/// Evidence on the models that does not depend on the cases.
+Html general_evidence(const Json& report, const Json& pads, const Cases& cases,
+                      const Advice& advice) {
+  Html out;
+  if (shows_atlas(report, pads, cases, advice))
+    out += speed_accuracy_section(report) + validity_map_section(report) +
+           error_causes_section(report);
+  if (!cases.empty() && finite_strain_has(report, advice.models()))
+    out += finite_strain_section(report);
+  return out + experiments_section(report) + how_to_read(report, pads) + model_cards(report);
+}
+
+/// Links to the sections that the page has.
+Html contents(const Html& page) {
+  constexpr std::array<std::pair<const char*, const char*>, 10> kSections{
+      {{"overview", "Overview"},
+       {"cases", "Cases"},
+       {"simulator", "For a simulator"},
+       {"speed", "Speed and accuracy"},
+       {"maps", "Validity maps"},
+       {"finite-strain", "Large deformation"},
+       {"experiments", "Experiments"},
+       {"reading", "How to read"},
+       {"models", "Models"},
+       {"provenance", "Provenance"}}};
+  std::vector<Html> links;
+  for (const auto& [id, words] : kSections)
+    if (page.markup().find(fmt::format("<h2 id=\"{}\"", id)) != std::string::npos)
+      links.push_back(html("<a href=\"#{}\">{}</a>", id, words));
+  return "<nav>" + joined(links, " ") + "</nav>";
+}
+
 /// @param report  of the curved contacts
 /// @param pads    the cases with a flat pad, which have sections of their own
-Html report_body(const Json& report, const Json& pads, const Cases& cases) {
+Html report_body(const Json& report, const Json& pads, const Cases& cases, const Advice& advice) {
   Json all = {{"cases", child(report, "cases")}};
   all["cases"].insert(all["cases"].end(), pads.begin(), pads.end());
-  const Html simulator = simulator_table(all), cards = model_cards(report);
-  const Html speed = speed_accuracy_section(report);
-  const Html finite_strain = finite_strain_section(report);
-  const Html experiments = experiments_section(report);
-  const bool atlas = !speed.empty();
-  Html out =
-      "<header><h1>Soft-finger contact: which model holds?</h1>\n"
-      "<p class=\"subtitle\">Contact ellipses and frictional torques of fast models, compared with "
-      "finite elements</p>\n" +
-      (cases.empty() && !pads.empty() ? Html("") : summary(report, cases)) + pads_summary(pads) +
-      "<nav><a href=\"#overview\">Overview</a> <a href=\"#cases\">Cases</a> " +
-      (simulator.empty() ? Html("") : "<a href=\"#simulator\">For a simulator</a> ") +
-      (atlas
-           ? Html("<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity maps</a> ")
-           : "") +
-      (finite_strain.empty() ? Html("") : "<a href=\"#finite-strain\">Large deformation</a> ") +
-      (experiments.empty() ? Html("") : "<a href=\"#experiments\">Experiments</a> ") +
-      "<a href=\"#reading\">How to read</a> " +
-      (cards.empty() ? Html("") : "<a href=\"#models\">Models</a> ") +
-      "<a href=\"#provenance\">Provenance</a></nav></header>\n";
-  out += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(all);
-  if (!cases.empty() || pads.empty())
-    out += overview_table(report, cases) + overview_charts() + usability_table(report, cases);
-  out += pads_overview(report, pads) + "<h2 id=\"cases\">Case by case</h2>\n";
+  // An overview of one case would say what its section says.
+  const bool is_single = all["cases"].size() == 1;
+  Html sections;
+  if (!is_single) {
+    sections += "<h2 id=\"overview\">Overview</h2>\n" + case_filter(all);
+    if (!cases.empty() || pads.empty())
+      sections +=
+          overview_table(report, cases) + overview_charts() + usability_table(report, cases);
+    sections += pads_overview(report, pads) + "<h2 id=\"cases\">Case by case</h2>\n";
+  }
   for (std::size_t i = 0; i < cases.size(); ++i)
-    out += case_section(report, child(report, "cases")[i], cases[i]);
-  for (const Json& pad : pads) out += pad_section(report, pad);
-  return out + simulator + speed + validity_map_section(report) + error_causes_section(report) +
-         finite_strain + experiments + how_to_read(report, pads) + cards + provenance(report);
+    sections += case_section(report, child(report, "cases")[i], cases[i], !is_single);
+  for (const Json& pad : pads) sections += pad_section(report, pad, !is_single);
+  sections += simulator_table(all, is_single);
+  const Html evidence = general_evidence(report, pads, cases, advice);
+  sections += is_single ? details(
+                              "How to read this page, and what is known of the models beyond "
+                              "this case",
+                              evidence)
+                        : evidence;
+  sections += provenance(report);
+  return "<header><h1>Soft-finger contact: which model holds?</h1>\n"
+         "<p class=\"subtitle\">Contact ellipses and frictional torques of fast models, compared "
+         "with finite elements</p>\n" +
+         (cases.empty() && !pads.empty() ? Html("") : summary(report, cases, advice)) +
+         pads_summary(pads) + (is_single ? Html("") : contents(sections)) + "</header>\n" +
+         sections;
 }
 
 }  // namespace
@@ -415,12 +486,17 @@ std::string render_report(const nlohmann::json& report, const Cases& cases) {
     throw std::invalid_argument(
         "report: no array \"cases\" with an entry for each case; see "
         "comparisons/report/README.md");
+  const Advice advice = advice_on(cases, tolerance(report));
   Json data = chart_data(curved, cases);
+  for (std::size_t i = 0; i < cases.size(); ++i)
+    for (std::size_t j = 0; j < cases[i].loads.size(); ++j)
+      data["cases"][i]["loads"][j]["recommended"] = advice.model_at(cases[i].loads[j]);
+  if (!shows_atlas(curved, pads, cases, advice)) data["atlas"] = nullptr;
   data["pads"] = pads_chart_data(pads);
   return render_page(
       {"Soft-finger contact: models against finite elements",
        {embedded::report_css},
-       report_body(curved, pads, cases),
+       report_body(curved, pads, cases, advice),
        std::move(data),
        {embedded::d3_js, embedded::plot_js, embedded::charts_js, embedded::report_js}});
 }

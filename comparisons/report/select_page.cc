@@ -1,5 +1,6 @@
 #include "comparisons/report/select_page.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -24,7 +25,7 @@ constexpr std::array<std::pair<const char*, const char*>, 6> kErrorColumns{
      {"area", "area"},
      {"indentation", "indentation"},
      {"peak_pressure", "peak pressure"},
-     {"max_torque", "max torque"}}};
+     {"max_torque", "largest torque"}}};
 
 double worst_of(const Json& candidate) { return number(candidate, "worst").value_or(NAN); }
 
@@ -47,6 +48,14 @@ std::string sentence(std::string words) {
 std::string time_of(const Json& candidate) {
   const auto cost_us = number(candidate, "cost_us");
   return cost_us ? duration(1e-6 * *cost_us) : "–";
+}
+
+/// The models that are chosen at any load.
+std::vector<std::string> chosen_models(const Json& selection) {
+  std::vector<std::string> models;
+  for (const Json& choice : child(selection, "choices"))
+    if (const std::string model = text(choice, "model"); !model.empty()) models.push_back(model);
+  return models;
 }
 
 /// `Bonded layer: within 3.1 %, 0.4 µs`
@@ -142,7 +151,7 @@ Html candidates_table(const Json& selection, const Json& choice) {
                  time_of(candidate));
     if (bound.is_null()) {
       rows += html("<td colspan=\"{}\" class=\"words\">no stated error: {}</td></tr>\n",
-                   kErrorColumns.size() + 1, text(candidate, "remark"));
+                   kErrorColumns.size() + 1, with_labels(selection, text(candidate, "remark")));
       continue;
     }
     for (const auto& column : kErrorColumns) {
@@ -165,6 +174,12 @@ Html causes_of_case(const Json& selection, const Json& choice) {
   const Json& causes = child(choice, "causes");
   const Json& models = child(causes, "models");
   if (!models.is_array() || models.empty()) return "";
+  // A table without the choice would answer another question.
+  const std::string chosen = text(choice, "model");
+  if (!chosen.empty() && std::none_of(models.begin(), models.end(), [&](const Json& cause) {
+        return text(cause, "model") == chosen;
+      }))
+    return "";
   Html rows;
   for (const Json& cause : models) {
     rows += "<tr><th scope=\"row\">" + model_key(selection, text(cause, "model")) + "</th>";
@@ -229,6 +244,10 @@ Html select_body(const Json& selection) {
   const Json& choices = child(selection, "choices");
   const std::string question = text(selection, "question");
   const Html speed = speed_accuracy_section(selection);
+  const std::vector<std::string> chosen = chosen_models(selection);
+  const Html maps = atlas_has(selection, chosen) ? validity_map_section(selection) : Html("");
+  const Html causes =
+      atlas_has_causes(selection, chosen) ? error_causes_section(selection) : Html("");
   Html out = html(
       "<header><h1>Which model is enough for {} within {}?</h1>\n<p class=\"subtitle\">{}</p>\n",
       text(selection, "case"), tolerance_text(selection),
@@ -238,9 +257,9 @@ Html select_body(const Json& selection) {
   if (const std::string limits = text(selection, "limits"); !limits.empty())
     out += html("<p class=\"facts\">{}</p>\n", limits);
   out += Html("<nav><a href=\"#choice\">The choice</a> ") +
-         (speed.empty() ? Html("")
-                        : "<a href=\"#speed\">Speed and accuracy</a> <a href=\"#maps\">Validity "
-                          "maps</a> <a href=\"#causes\">Causes</a> ") +
+         (speed.empty() ? Html("") : "<a href=\"#speed\">Speed and accuracy</a> ") +
+         (maps.empty() ? Html("") : "<a href=\"#maps\">Validity maps</a> ") +
+         (causes.empty() ? Html("") : "<a href=\"#causes\">Causes</a> ") +
          "<a href=\"#provenance\">Provenance</a></nav></header>\n";
   out += html("<section data-case=\"{}\">\n", text(selection, "case"));
   out +=
@@ -251,7 +270,7 @@ Html select_body(const Json& selection) {
                "<div class=\"load\" data-load=\"{}\">\n<h4>Load {}</h4>\n<p "
                "class=\"verdict\">{}</p>\n",
                index++, newton(number(choice, "load_N").value_or(NAN)),
-               sentence(text(choice, "reason"))) +
+               sentence(with_labels(selection, text(choice, "reason")))) +
            candidates_table(selection, choice) + causes_of_case(selection, choice) + "</div>\n";
   out += text(selection, "contact") == "patch"
              ? Html(
@@ -270,7 +289,7 @@ Html select_body(const Json& selection) {
         "verticals are the case’s loads; where a line is missing, no error is "
         "known.</figcaption>"
         "<div class=\"plot\"></div></figure></div>\n";
-  out += speed + validity_map_section(selection) + "</section>\n" + error_causes_section(selection);
+  out += speed + maps + "</section>\n" + causes;
   if (!text(selection, "case_toml").empty())
     out += html(
         "<h2 id=\"case\">The case</h2>\n<details><summary>Case file "

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
+#include <utility>
 
 namespace softfinger::report {
 
@@ -21,6 +23,35 @@ std::vector<std::string> model_names(const Json& report) {
   for (const Json& model : child(child(report, "atlas"), "models"))
     if (const std::string name = text(model, "model"); name.rfind("fem", 0) != 0) add(name);
   return names;
+}
+
+std::string with_labels_of(const std::vector<std::string>& models, std::string words) {
+  const auto is_of_name = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_';
+  };
+  const auto is_typed = [&](std::size_t at) {
+    const std::size_t option = words.rfind("--model", at), space = words.find(' ', option);
+    return option != std::string::npos && space < at &&
+           words.find_first_of(" ;.:", space + 1) >= at;
+  };
+  for (const std::string& name : models) {
+    std::size_t at = 0;
+    while (!name.empty() && (at = words.find(name, at)) != std::string::npos) {
+      const std::size_t end = at + name.size();
+      const bool is_whole = (at == 0 || !is_of_name(words[at - 1])) &&
+                            (end == words.size() || !is_of_name(words[end]));
+      const std::string shown = is_whole && !is_typed(at) ? label(name) : name;
+      words.replace(at, name.size(), shown);
+      at += shown.size();
+    }
+  }
+  return words;
+}
+
+std::string with_labels(const Json& report, std::string words) {
+  std::vector<std::string> names;
+  for (const Json& model : child(report, "models")) names.push_back(text(model, "name"));
+  return with_labels_of(names, std::move(words));
 }
 
 Style style_of_place(std::size_t place) {

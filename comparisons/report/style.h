@@ -14,6 +14,11 @@ using judgement::label;
 /// Names in the order of the registry, then any that only the loads mention.
 std::vector<std::string> model_names(const Json& report);
 
+/// The text with the names of the report's models as their labels, so that a page has one name for
+/// each; what is to be typed behind --model or --models stays.
+std::string with_labels(const Json& report, std::string words);
+std::string with_labels_of(const std::vector<std::string>& models, std::string words);
+
 struct Style {
   std::string colour;  ///< CSS
   std::string dash;    ///< SVG stroke-dasharray

@@ -2,7 +2,7 @@
 "use strict";
 
 (() => {
-  const {report, styleOf, number, magnitude, percent, base, plot, tip, legend, stacked, start} = Charts;
+  const {report, styleOf, number, magnitude, percent, ramp, base, plot, tip, legend, stacked, start} = Charts;
   const page = document.documentElement;
 
   // Values of a variable that a slider or a row of pictures can carry; more are drawn as points.
@@ -218,7 +218,7 @@
     }
     const members = d3.group(rows, (row) => colourBy.level[row]);
     colourBy.levels.forEach((level, i) => {
-      if (members.has(i)) add(source, members.get(i), {label: colourBy.says(level), colour: viridis(i / Math.max(1, colourBy.levels.length - 1))});
+      if (members.has(i)) add(source, members.get(i), {label: colourBy.says(level), colour: ramp(i / Math.max(1, colourBy.levels.length - 1))});
     });
     return list;
   }
@@ -333,13 +333,12 @@
 
   // Map over x and y ----------------------------------------------------------------------------
 
-  const viridis = (part) => d3.interpolateViridis(0.06 + 0.86 * part);
   function shadesOf(values, log) {
     const known = values.filter((value) => Number.isFinite(value));
     const [low, high] = d3.extent(known);
     const place = log ? d3.scaleLog().domain([low, high]) : d3.scaleLinear().domain([low, high]);
     const shade = (value) => Math.min(SHADES - 1, Math.floor(SHADES * (low < high ? place.range([0, 1])(value) : 0.5)));
-    return {low, high, log, of: (value) => viridis((shade(value) + 0.5) / SHADES)};
+    return {low, high, log, of: (value) => ramp((shade(value) + 0.5) / SHADES)};
   }
 
   function colourBar(width, {low, high, log}, title, marks) {
@@ -348,7 +347,7 @@
     const svg = d3.create("svg").attr("width", width).attr("height", 52).attr("viewBox", `0 0 ${width} 52`).style("font-size", "12px");
     svg.append("text").attr("x", left).attr("y", 11).attr("fill", "currentColor").text(fitting(title, width - left));
     for (let k = 0; k < SHADES; ++k)
-      svg.append("rect").attr("x", left + k * wide / SHADES).attr("y", 17).attr("width", wide / SHADES + 0.5).attr("height", 12).attr("fill", viridis((k + 0.5) / SHADES));
+      svg.append("rect").attr("x", left + k * wide / SHADES).attr("y", 17).attr("width", wide / SHADES + 0.5).attr("height", 12).attr("fill", ramp((k + 0.5) / SHADES));
     const ticks = low < high ? marks ?? ticksOf(log, [low, high], Math.floor(wide / 52)) : [];
     const place = (log ? d3.scaleLog() : d3.scaleLinear()).domain([low, high]).range([left, left + wide]);
     const label = (x, value) => svg.append("text").attr("x", x).attr("y", 46).attr("text-anchor", "middle").attr("fill", "currentColor").text(words(value));
@@ -433,15 +432,18 @@
             return p && {x: scales.x(p.x), y: scales.y(p.y), z: log ? Math.log(p.z) : p.z};
           };
           return limits.map((limit) => contour(corner, columns.length, lines.length, log ? Math.log(limit) : limit)).join("");
-        }, {stroke: "#fff", "stroke-opacity": 0.75, "stroke-width": 1.2}));
-      if (source !== fem && known.some((p) => p.valid) && known.some((p) => !p.valid))
-        marks.push(path((scales) => known.filter((p) => p.valid).map((p) => {
+        }, {stroke: "var(--page)", "stroke-opacity": 0.75, "stroke-width": 1.2}));
+      if (source !== fem && known.some((p) => p.valid) && known.some((p) => !p.valid)) {
+        const limit = (scales) => known.filter((p) => p.valid).map((p) => {
           const [i, j] = [column.get(p.x), line.get(p.y)];
           const [left, right, bottom, top] = [scales.x(xEdges[i]), scales.x(xEdges[i + 1]), scales.y(yEdges[j]), scales.y(yEdges[j + 1])].map(short);
           const beyond = (di, dj) => cell(i + di, j + dj)?.valid === false;
           return (beyond(-1, 0) ? `M${left},${bottom}V${top}` : "") + (beyond(1, 0) ? `M${right},${bottom}V${top}` : "") +
             (beyond(0, -1) ? `M${left},${bottom}H${right}` : "") + (beyond(0, 1) ? `M${left},${top}H${right}` : "");
-        }).join(""), {stroke: "var(--ink)", "stroke-width": 2, "stroke-dasharray": "5 3"}));
+        }).join("");
+        // On a seam in the page's colour the line is seen on every shade.
+        marks.push(path(limit, {stroke: "var(--page)", "stroke-width": 4, "stroke-opacity": 0.7}), path(limit, {stroke: "var(--ink)", "stroke-width": 2, "stroke-dasharray": "5 3"}));
+      }
     } else {
       marks.push(dots(points.filter((p) => !Number.isFinite(p.z)), "var(--muted)", 2));
       for (const [shade, parts] of d3.groups(known, colour, (p) => p.valid))
@@ -459,7 +461,7 @@
         valid === 0 || valid === known.length ? "" : cells ? ": the dashed line parts them from the others" : "; the others are faint"}.`,
       known.length < points.length ? `${points.length - known.length} without an answer are ${cells ? "empty" : "small and grey"}.` : "",
       withoutText(),
-      cells && limits.length && columns.length > 3 && lines.length > 3 ? "White lines: the values marked on the scale." : "",
+      cells && limits.length && columns.length > 3 && lines.length > 3 ? "Thin lines: the values marked on the scale." : "",
     ]);
     state.marks = known.length;
     const bandWords = ["below 1 %", "1 to 5 %", "5 to 10 %", "10 to 25 %", "above 25 %"];

@@ -37,7 +37,7 @@ struct Quantity {
 constexpr std::array<Quantity, 12> kKnownQuantities{
     {{"a", "a_m", "a", "mm", 1e3, 1},
      {"b", "b_m", "b", "mm", 1e3, 2},
-     {"indentation", "indentation_m", "approach d", "mm", 1e3, 4},
+     {"indentation", "indentation_m", "indentation", "mm", 1e3, 4},
      {"normal_stiffness", "normal_stiffness_N_per_m", "stiffness", "N/mm", 1e-3, 6},
      {"peak_pressure", "peak_pressure_Pa", "peak pressure", "kPa", 1e-3, 5},
      {"area", "area_m2", "area", "mm²", 1e6, 3, true},
@@ -351,15 +351,23 @@ Html decisive_words(const Table& table) {
   return "torque is";
 }
 
-/// "thickness 1 mm, load 20 N": the row's values of what varies.
-Html row_words(const Table& table, std::size_t row) {
+bool is_load(const Variable& variable) {
+  return variable.key == "load_N" || variable.key.rfind("contact.load_N", 0) == 0;
+}
+
+/// Values on a logarithmic axis have many digits, of which a sentence needs four.
+Html brief(double value) { return html("{:.4g}", value); }
+
+/// "thickness 1 mm and load 20 N": the row's values of what varies.
+Html row_words(const Table& table, std::size_t row, bool has_load = true) {
   std::vector<Html> parts;
   for (const Variable& variable : table.variables) {
+    if (is_load(variable) && !has_load) continue;
     const auto [least, largest] =
         std::minmax_element(variable.values.begin(), variable.values.end());
     if (least == variable.values.end() || *least == *largest) continue;
-    parts.push_back(html("{} {}", variable.words,
-                         with_unit(escape(plain(variable.values[row])), variable.unit)));
+    parts.push_back(
+        html("{} {}", variable.words, with_unit(brief(variable.values[row]), variable.unit)));
   }
   return listed(parts);
 }
@@ -451,6 +459,92 @@ Html finding_of_models(const Table& table) {
          finding_of_other(table, *model);
 }
 
+/// The rows of one load with the least and the largest torque.
+struct TorqueSpan {
+  std::size_t least, largest;
+};
+
+Html torque_text(double torque_mNm) { return with_unit(significant(torque_mNm, 1, 3), "mN·m"); }
+
+/// Values of the only other number that varies at which the model is usable at every load.
+Html usable_at_every_load(const Table& table, const Source& model) {
+  const Variable* varied = nullptr;
+  for (const Variable& variable : table.variables) {
+    const Range range = range_of(variable.values);
+    if (is_load(variable) || !(range.least < range.largest)) continue;
+    if (varied) return "";
+    varied = &variable;
+  }
+  if (!varied) return "";
+  std::map<double, bool> holds;
+  for (std::size_t row = 0; row < table.rows; ++row)
+    if (std::isfinite(varied->values[row]))
+      holds.try_emplace(varied->values[row], true).first->second &= bool(model.valid[row]);
+  std::vector<std::pair<double, double>> stretches;
+  bool goes_on = false;
+  for (const auto& [value, is_usable] : holds) {
+    if (is_usable && goes_on)
+      stretches.back().second = value;
+    else if (is_usable)
+      stretches.push_back({value, value});
+    goes_on = is_usable;
+  }
+  // Everywhere is said already, and many pieces are a picture's task.
+  if (stretches.size() != 1 ||
+      stretches[0] == std::pair(holds.begin()->first, holds.rbegin()->first))
+    return "";
+  const auto [from, to] = stretches[0];
+  return html(" Usable at every load: {} {}.", varied->words,
+              with_unit(from == to ? brief(from) : brief(from) + " to " + brief(to), varied->unit));
+}
+
+/// The answer to most sweeps: with which values the torque is largest, each load by itself, since
+/// a larger load always gives more. Only usable answers count, where there are any.
+Html torque_answer(const Table& table) {
+  const Source* model = leading_model(table);
+  const auto torque = std::find_if(
+      table.quantities.begin(), table.quantities.end(),
+      [](const Quantity& quantity) { return quantity.name == std::string_view("max_torque"); });
+  if (!model || torque == table.quantities.end()) return "";
+  const std::vector<double>& values = model->values[std::size_t(torque - table.quantities.begin())];
+  const bool has_usable = std::any_of(model->valid.begin(), model->valid.end(),
+                                      [](std::uint8_t is_usable) { return is_usable; });
+  std::map<double, TorqueSpan> loads;
+  for (std::size_t row = 0; row < table.rows; ++row) {
+    if (!std::isfinite(values[row]) || (has_usable && !model->valid[row])) continue;
+    TorqueSpan& span = loads.try_emplace(table.loads_N[row], TorqueSpan{row, row}).first->second;
+    if (values[row] < values[span.least]) span.least = row;
+    if (values[row] > values[span.largest]) span.largest = row;
+  }
+  if (loads.empty()) return "";
+  std::map<std::string, std::vector<TorqueSpan>> winners;  // by their values in words
+  for (const auto& [load_N, span] : loads)
+    if (values[span.least] < values[span.largest])
+      winners[row_words(table, span.largest, false).markup()].push_back(span);
+  if (winners.empty()) {
+    const std::size_t first = loads.begin()->second.largest, last = loads.rbegin()->second.largest;
+    const Html at = row_words(table, last);
+    return html("<b>The largest torque is {}{}{}</b>{}.", torque_text(values[last]),
+                at.empty() ? Html("") : " at ", at,
+                first == last
+                    ? Html("")
+                    : html(", and {} at {}", torque_text(values[first]), row_words(table, first)));
+  }
+  const auto winner = std::max_element(
+      winners.begin(), winners.end(),
+      [](const auto& one, const auto& other) { return one.second.size() < other.second.size(); });
+  const TorqueSpan& span = winner->second.back();
+  return html("<b>The largest torque is held with {}</b>{}: {} at {}, {} times that with {}.{}",
+              row_words(table, span.largest, false),
+              loads.size() == 1 ? Html("")
+              : winner->second.size() == loads.size()
+                  ? Html(" at every load")
+                  : html(" at {} of {} loads", winner->second.size(), loads.size()),
+              torque_text(values[span.largest]), with_unit(brief(table.loads_N[span.largest]), "N"),
+              significant(values[span.largest] / values[span.least], 1, 2),
+              row_words(table, span.least, false), usable_at_every_load(table, *model));
+}
+
 Html loads_text(const Json& sweep) {
   const Json& loads = child(sweep, "loads_N");
   std::vector<double> known;
@@ -487,21 +581,29 @@ Html sweep_lead(const Json& sweep, const Table& table) {
   }
   const double all = number(sweep, "all_rows").value_or(double(table.rows));
   const double failed = number(sweep, "failed").value_or(0);
-  Html out = html(
-      "<p class=\"lead\"><span class=\"badge {}\">{}</span> {} {}{}: {}, {}; {} {} an answer, "
-      "{} failed.",
+  const Html against_fem = table.fem.empty() ? "" : finding_with_fem(table);
+  const Html torque = torque_answer(table);
+  const Html of_models = against_fem.empty() ? finding_of_models(table) : Html("");
+  // A sweep with finite elements asks first how far the models are from them.
+  Html out = "<p class=\"lead\">" +
+             joined(against_fem.empty() ? std::vector<Html>{torque.empty() ? of_models : torque}
+                                        : std::vector<Html>{against_fem, torque},
+                    " ") +
+             "</p>\n";
+  if (!torque.empty() && !of_models.empty()) out += "<p>" + of_models + "</p>\n";
+  out += html(
+      "<p class=\"facts\"><span class=\"badge {}\">{}</span> {} {}{}: {}, {}; {} {} an answer, "
+      "{} failed.</p>\n",
       failed > 0 ? "mixed" : "good",
       failed > 0 ? count_text(failed, "row failed", "rows failed") : "✓ no row failed",
       swept.empty() ? "Nothing was swept" : "Swept were", listed(swept), loads_text(sweep),
       count_text(points, "point", "points"), count_text(all, "row", "rows"),
       count_text(std::max(0., all - failed), "row", "rows"), all - failed == 1 ? "has" : "have",
       grouped(failed));
-  const Html against_fem = table.fem.empty() ? "" : finding_with_fem(table);
-  out += " " + (against_fem.empty() ? finding_of_models(table) : against_fem) + "</p>\n";
   if (double(table.rows) < all)
     out += html(
         "<p class=\"facts\">{} of {}, evenly spaced, are drawn; all are in "
-        "<code>results.csv</code>. The sentence above and the tables use only those drawn.</p>\n",
+        "<code>results.csv</code>. The sentences above and the tables use only those drawn.</p>\n",
         grouped(double(table.rows)), count_text(all, "row", "rows"));
   return out;
 }

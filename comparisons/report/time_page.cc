@@ -149,11 +149,11 @@ std::string time_page(const TimePage& content) {
   page.title = html("{} over time", content.case_id);
   page.styles = {embedded::report_css};
   page.body = html(
-      "<h1>{}: contact over time</h1>\n<p>{}</p>\n<pre>{}</pre>\n<p>The rubber relaxes by its "
+      "<h1>{}: contact over time</h1>\n<pre>{}</pre>\n<p>{}</p>\n<p>The rubber relaxes by its "
       "modulus (constant Poisson’s ratio); the contact is the elastic one under the load that "
       "makes it as large (Lee and Radok), while it shrinks by Ting’s rule. A curve ends where "
       "nothing touches or the contact would grow a second time.</p>\n",
-      content.case_id, content.facts, content.answers);
+      content.case_id, content.answers, content.facts);
   for (const TimeSeries& series : content.series) page.body += section_of(series);
   page.body +=
       provenance_section(html("<dt>program</dt><dd>{}</dd>", content.version), content.command, "");

@@ -530,6 +530,8 @@ friction_coefficient = 1
   const std::string loads = file_text(folder.path() / "loads.html");
   for (const char* load : {"1 N", "5 N"})
     EXPECT_NE(loads.find(std::string("<th scope=\"row\">") + load), std::string::npos) << load;
+  EXPECT_LT(loads.find("<p class=\"lead\">1 N: torque "), loads.find("<canvas"));
+  EXPECT_NE(loads.find("The prediction by each model"), std::string::npos);
   folder.write("radii.toml", case_text());
   expect_refusal({"predict", "radii.toml", "--page", "loads.html"}, "is a mesh");
 }

@@ -27,6 +27,17 @@ TEST(MeshPage, SaysWithoutScriptsWhatItsPointsAre) {
   EXPECT_FALSE(contains(text, "<1>"));
 }
 
+TEST(MeshPage, OfAPredictionBeginsWithIt) {
+  MeshPage content = tests::sample_mesh_page();
+  content.prediction = {"my_finger", "2 N: torque 2.98 mN·m ± 3 %\n  mu + 10 %: +10 %\n",
+                        "  usable  2a mm\n"};
+  const std::string text = without_scripts(mesh_page(tests::sample_surface(), content));
+  for (const char* part : {"<h1>my_finger</h1>\n<p class=\"lead\">2 N: torque 2.98 mN·m ± 3 %</p>",
+                           "<p class=\"facts\">  mu + 10 %: +10 %</p>",
+                           "<pre>  usable  2a mm\n</pre>", "tip &lt;1&gt;.stl: Closed."})
+    EXPECT_TRUE(contains(text, part)) << part;
+}
+
 TEST(MeshPage, DrawsALargeSurfaceCoarser) {
   // 4 * 128² triangles and more.
   const TriangleSurface fine =

@@ -60,6 +60,21 @@ TEST(MotionPage, AnswersInItsFirstLine) {
   EXPECT_TRUE(contains(first, "From 1.9")) << first;
 }
 
+TEST(MotionPage, HasItsPlayerRightAfterTheAnswerAndSaysAFactOnce) {
+  Recording recording = tests::sample_motion();
+  recording.unknown.resize(1);
+  recording.unknown[0].a = 0;
+  recording.unknown[0].b = 1;
+  const std::string text = without_scripts(motion_page(recording, {}));
+  const std::size_t lead = text.find("class=\"lead\""), player = text.find("class=\"player\"");
+  ASSERT_LT(lead, player);
+  // One more paragraph: that there are doubts, which are told below.
+  EXPECT_EQ(tests::occurrences(text.substr(lead, player - lead), "<p"), 1u);
+  EXPECT_LT(player, text.find("id=\"unknown\""));
+  for (const char* fact : {"steps over", "movable", "µm"})
+    EXPECT_EQ(tests::occurrences(text, fact), 1u) << fact;
+}
+
 /// One finger on a block that is pulled along x by `slip_m(time)`.
 Recording pulled_block(const std::function<double(double)>& slip_m) {
   Recording recording;
@@ -196,7 +211,7 @@ TEST(MotionPage, NeedsNoNetwork) {
 
 TEST(MotionPage, SurvivesWhatThereIsNotMuchOf) {
   EXPECT_TRUE(contains(motion_page(tests::empty_motion(), {}), "Nothing was recorded."));
-  EXPECT_TRUE(contains(motion_page(tests::motion_without_contacts(), {}), "no contact."));
+  EXPECT_TRUE(contains(motion_page(tests::motion_without_contacts(), {}), "no contact<"));
   EXPECT_TRUE(
       contains(motion_page(tests::motion_of_one_frame(), {}), "0\u00a0steps over 0\u00a0s"));
   Recording shapeless = tests::sample_motion(10);

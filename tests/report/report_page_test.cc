@@ -321,6 +321,59 @@ TEST(ReportPage, ShowsTheAtlasOnlyWhereThereIsOne) {
   EXPECT_EQ(tests::page_of(report).find("id=\"maps\""), std::string::npos);
 }
 
+TEST(ReportPage, LeavesOutPicturesThatLackAModelThatIsRecommended) {
+  // The atlas of this report lacks the model hertz, that of the other samples has it.
+  Json report = tests::one_case_report();
+  const std::string page = tests::page_of(report);
+  ASSERT_NE(page.find("Use <b>Hertz</b>"), std::string::npos);
+  report["atlas"] = tests::sample_report()["atlas"];
+  EXPECT_NE(tests::page_of(report).find("id=\"maps\""), std::string::npos);
+  for (const char* id : {"id=\"speed\"", "id=\"maps\"", "id=\"causes\""})
+    EXPECT_EQ(page.find(id), std::string::npos) << id;
+  EXPECT_TRUE(tests::chart_data_of(page)["atlas"].is_null());
+
+  Json selection = tests::sample_selection();
+  EXPECT_NE(render_selection(selection).find("id=\"maps\""), std::string::npos);
+  selection["atlas"]["models"].erase(selection["atlas"]["models"].begin());
+  const std::string choice = render_selection(selection);
+  EXPECT_EQ(choice.find("id=\"maps\""), std::string::npos);
+  EXPECT_EQ(choice.find("id=\"causes\""), std::string::npos);
+  EXPECT_NE(choice.find("id=\"speed\""), std::string::npos) << "the choice is marked there";
+}
+
+TEST(ReportPage, SaysTheTorqueWithItsErrorAboveEverythingElse) {
+  const Json report = tests::one_case_report();
+  const std::string page = without_scripts(tests::page_of(report));
+  const std::size_t said = page.find("Largest torque by the finite elements: <b>");
+  ASSERT_NE(said, std::string::npos);
+  EXPECT_LT(said, page.find("</header>"));
+  const Json& load = report["cases"][0]["loads"][0];
+  const std::vector<double> numbers = numbers_in(page.substr(said, 200));
+  EXPECT_TRUE(contains(numbers, 1e3 * load["fem"]["max_torque_Nm"].get<double>(), 0.5e-3));
+  // With several cases the overview has the torque of each load.
+  const std::string all = without_scripts(tests::page_of(tests::sample_report()));
+  EXPECT_LT(all.find("Largest torque by the finite elements: <b>"), all.find("</header>"));
+  EXPECT_NE(all.find("<th scope=\"col\">torque, FEM</th>"), std::string::npos);
+}
+
+TEST(ReportPage, OfOneCaseFoldsWhatDoesNotBelongToIt) {
+  const std::string page = without_scripts(tests::page_of(tests::one_case_report()));
+  EXPECT_EQ(page.find("id=\"overview\""), std::string::npos);
+  EXPECT_EQ(page.find("data-chart=\"map\""), std::string::npos) << "its point would stand alone";
+  const std::size_t folded = page.find("<details><summary>How to read this page");
+  ASSERT_NE(folded, std::string::npos);
+  for (const char* id : {"id=\"reading\"", "id=\"models\""}) EXPECT_GT(page.find(id), folded);
+  EXPECT_LT(page.find("</details>", page.find("id=\"models\"")), page.find("id=\"provenance\""));
+}
+
+TEST(ReportPage, HasOneNameForAModel) {
+  const Json report = {{"models", {{{"name", "bonded_layer"}}, {{"name", "hertz"}}}}};
+  EXPECT_EQ(with_labels(report, "bonded_layer takes it, hertz; thick_layer and xhertz do not"),
+            "Bonded layer takes it, Hertz; thick_layer and xhertz do not");
+  EXPECT_EQ(with_labels(report, "--models bonded_layer asks bonded_layer"),
+            "--models bonded_layer asks Bonded layer");
+}
+
 // 0.10 is the tolerance of the sample; errors are set by hand.
 Json one_case(std::vector<std::pair<double, bool>> torque_error_and_soundness) {
   Json loads = Json::array();

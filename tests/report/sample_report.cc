@@ -599,4 +599,17 @@ Json sample_calibration() {
   return data;
 }
 
+Json one_case_report() {
+  Json report = sample_report();
+  report["cases"].erase(report["cases"].begin() + 1, report["cases"].end());
+  // Radii that are given leave nothing open, and Hertz may be used.
+  for (Json& load : report["cases"][0]["loads"]) {
+    load["geometry"]["error"] = {
+        {"a", 0}, {"b", 0}, {"area", 0}, {"indentation", 0}, {"max_torque", 0}};
+    load["models"][0]["sound"] = load["models"][0]["hot_path"] = true;
+  }
+  report["atlas"]["models"].erase(report["atlas"]["models"].begin());
+  return report;
+}
+
 }  // namespace softfinger::tests

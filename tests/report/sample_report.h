@@ -9,6 +9,9 @@ namespace softfinger::tests {
 /// direction, missing profiles. Not computed by the models: the page must not depend on them.
 nlohmann::json sample_report();
 
+/// The first of its cases alone, and an atlas without the model that is recommended.
+nlohmann::json one_case_report();
+
 /// A report of two flat pads: one with two loads, one over a smaller face, of which the reference
 /// failed at its second load.
 nlohmann::json sample_pads();

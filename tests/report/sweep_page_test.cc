@@ -30,7 +30,30 @@ std::size_t rows_of_table(const std::string& page, const std::string& id) {
   return tests::occurrences(page.substr(from, page.find("</tbody>", from) - from), "<tr");
 }
 
-TEST(SweepPage, SaysFirstWhatWasSweptAndHowFarTheAnswersVary) {
+TEST(SweepPage, AnswersInItsFirstLineWithTheLargestTorque) {
+  // 2 mN·m (h/mm)^(1/2) P/N: at each load the thickest of 0.5 to 5 mm, by the root of ten.
+  const std::string text = text_of(tests::sweep_of_one_key());
+  const std::string answer =
+      "The largest torque is held with thickness 5 mm at every load: 22.4 mN·m at 5 N, 3.2 times "
+      "that with thickness 0.5 mm.";
+  EXPECT_LT(text.find(answer), text.find("By Bonded layer"));
+  EXPECT_LT(text.find("By Bonded layer"), text.find("Swept were"));
+}
+
+TEST(SweepPage, SaysAtWhichValuesTheModelIsUsableAtEveryLoad) {
+  Json sweep = tests::sweep_of_one_key();
+  const Json& columns = sweep["columns"];
+  const auto usable = std::size_t(std::find(columns.begin(), columns.end(), "bonded_layer_usable") -
+                                  columns.begin());
+  for (Json& row : sweep["rows"])
+    if (row[0] == 0 || row[0] == 9) row[usable] = "no";
+  const std::string text = text_of(sweep);
+  EXPECT_TRUE(contains(text, "Usable at every load: thickness 0.6458 to 3.871 mm."));
+  EXPECT_TRUE(contains(text, "held with thickness 3.871 mm at every load"))
+      << "an answer that is not usable does not count";
+}
+
+TEST(SweepPage, SaysNextWhatWasSweptAndHowFarTheAnswersVary) {
   const std::string text = text_of(tests::sweep_of_one_key());
   for (const char* part :
        {"Swept were thickness 0.5 to 5 mm (10 values, log) at 1, 2 and 5 N: 10 points, 30 rows; "

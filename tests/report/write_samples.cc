@@ -46,6 +46,7 @@ int main(int argc, char** argv) try {
   using namespace softfinger::report;
   for (const auto& [name, page] :
        {std::pair{"sample", softfinger::tests::page_of(sample_report())},
+        std::pair{"one_case", softfinger::tests::page_of(one_case_report())},
         std::pair{"pads", softfinger::tests::page_of(sample_pads())},
         std::pair{"large", softfinger::tests::page_of(large_report(20))},
         std::pair{"selection", render_selection(sample_selection())},
