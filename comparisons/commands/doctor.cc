@@ -105,10 +105,8 @@ std::vector<Finding> find_all() {
       fem_finding(),
       {"page of explore", report::has_explorer(), false,
        report::has_explorer()
-           ? "built in"
-           : fmt::format("softfinger explore: needs a compiler for WebAssembly when softfinger is "
-                         "built (Debian: {})",
-                         report::kExplorerPackages)},
+           ? "built"
+           : "softfinger explore needs a script: " + report::how_to_build_explorer()},
       file_finding(
           "robots' files", system::program_folder() / "softfinger-robot",
           "softfinger-robot: MJCF, URDF and SDF for simulate, meshes as DAE, GLB, glTF, PLY "

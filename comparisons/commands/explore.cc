@@ -122,10 +122,7 @@ int run_explore(const ExploreOptions& options) {
     throw InputError("command line", "--output", "\"\"", "the name of an HTML file");
   if (!report::has_explorer())
     throw InputError("explore",
-                     fmt::format("this program was built without a compiler for WebAssembly, which "
-                                 "makes the page; install it and build again (Debian: {})",
-                                 report::kExplorerPackages),
-                     "", "");
+                     "the page's script is not built: " + report::how_to_build_explorer(), "", "");
   const Start start = start_of(options.typed_case);
   system::write_file_atomically(
       output, report::explorer_page("softfinger " + system::program_version(), options.command_line,

@@ -29,7 +29,5 @@ extern const Script mesh_js;  ///< likewise
 extern const std::string_view three_licence;
 
 extern const std::string_view explorer_css;
-extern const Script explorer_js;  ///< with d3 and explorer.wasm; empty where that was not built
-extern const std::string_view wasm_licences;
 
 }  // namespace softfinger::report::embedded

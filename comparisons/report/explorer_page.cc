@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <filesystem>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,6 +17,8 @@
 #include "comparisons/report/embedded.h"
 #include "comparisons/report/page.h"
 #include "comparisons/report/style.h"
+#include "comparisons/system/files.h"
+#include "comparisons/system/program_paths.h"
 #include "softfinger/pads/pad_model.h"
 
 namespace softfinger::report {
@@ -216,6 +219,25 @@ Html pad_table() {
          "<p id=\"pad_reasons\" class=\"facts\"></p>\n";
 }
 
+std::filesystem::path explorer_folder() { return system::share_folder() / "explorer"; }
+
+/// What is made apart from the program: the page's script, the 32 bytes of its SHA-256, and the
+/// licences of what is compiled into it.
+struct ExplorerFiles {
+  std::string script, sha256, licences;
+};
+
+ExplorerFiles read_explorer_files() {
+  const std::filesystem::path script = explorer_folder() / "explorer.js";
+  ExplorerFiles files;
+  files.script = system::read_text_file(script);
+  const std::string digits = system::read_text_file(script.string() + ".sha256");
+  for (std::size_t i = 0; i + 1 < digits.size(); i += 2)
+    files.sha256 += static_cast<char>(std::stoi(digits.substr(i, 2), nullptr, 16));
+  files.licences = system::read_text_file(explorer_folder() / "licences.txt");
+  return files;
+}
+
 /// The part of the page for flat pads.
 /// @param outline_of_case  the case's name where its outline is one of the shapes to choose
 Html pad_body(const std::string& outline_of_case) {
@@ -262,7 +284,8 @@ Html pad_body(const std::string& outline_of_case) {
 }
 
 Html explorer_body(const std::string& version, const std::string& command,
-                   const ExplorerStart* start, const std::string& outline_of_case) {
+                   const std::string& licences, const ExplorerStart* start,
+                   const std::string& outline_of_case) {
   Html sliders;
   for (const Slider& slider : kSliders) sliders += slider_row(slider, "");
   return html(
@@ -319,7 +342,7 @@ Html explorer_body(const std::string& version, const std::string& command,
              command,
              html("<details><summary>Licences of the C and C++ libraries in this file</summary>\n"
                   "<pre>{}</pre></details>\n",
-                  embedded::wasm_licences));
+                  licences));
 }
 
 template <std::size_t count>
@@ -400,10 +423,21 @@ Json pad_json(const PadStart* start) {
 
 }  // namespace
 
-bool has_explorer() { return !embedded::explorer_js.text.empty(); }
+std::string how_to_build_explorer() {
+  return fmt::format(
+      "cmake --build build/release --target softfinger_explorer, with a compiler for WebAssembly "
+      "(Debian: {})",
+      kExplorerPackages);
+}
+
+bool has_explorer() {
+  std::error_code error;
+  return std::filesystem::is_regular_file(explorer_folder() / "explorer.js", error);
+}
 
 std::string explorer_page(const std::string& version, const std::string& command,
                           const std::variant<std::monostate, ExplorerStart, PadStart>& start) {
+  const ExplorerFiles files = read_explorer_files();
   const auto* curved = std::get_if<ExplorerStart>(&start);
   const auto* flat = std::get_if<PadStart>(&start);
   Json sliders = sliders_json(kSliders), shape = Json::array({0, 0, 0, 0});
@@ -413,17 +447,17 @@ std::string explorer_page(const std::string& version, const std::string& command
     shape = shape_of(curved->problem);
   }
   const Json pad = pad_json(flat);
-  Page page{
-      "A soft fingertip, pressed and turned",
-      {embedded::report_css, embedded::explorer_css},
-      explorer_body(version, command, curved, pad["outline"].is_null() ? "" : flat->case_name),
-      {{"sliders", sliders},
-       {"models", models_json(explorer::models())},
-       {"shape", shape},
-       {"case", curved ? Json(curved->case_name) : Json()},
-       {"first", flat ? "pad" : "curved"},
-       {"pad", pad}},
-      {embedded::explorer_js}};
+  Page page{"A soft fingertip, pressed and turned",
+            {embedded::report_css, embedded::explorer_css},
+            explorer_body(version, command, files.licences, curved,
+                          pad["outline"].is_null() ? "" : flat->case_name),
+            {{"sliders", sliders},
+             {"models", models_json(explorer::models())},
+             {"shape", shape},
+             {"case", curved ? Json(curved->case_name) : Json()},
+             {"first", flat ? "pad" : "curved"},
+             {"pad", pad}},
+            {embedded::Script{files.script, files.sha256}}};
   page.runs_wasm = true;
   return render_page(page);
 }

@@ -9,9 +9,12 @@
 
 namespace softfinger::report {
 
-/// Whether the program was built with a compiler for WebAssembly, without which there is no page.
+/// Whether the page's script, with the library as WebAssembly, was built beside the program (target
+/// softfinger_explorer).
 bool has_explorer();
-/// Debian packages that the build needs for it.
+/// What to do where it was not.
+std::string how_to_build_explorer();
+/// Debian packages that this needs.
 inline constexpr std::string_view kExplorerPackages =
     "clang lld libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 wasi-libc libclang-rt-14-dev-wasm32";
 
@@ -34,7 +37,7 @@ struct PadStart {
 /// The page of `softfinger explore`: sliders for a contact of curved bodies or of a flat pad, and
 /// what the models, their error bounds, the limit surface and the simulators make of it, computed
 /// in the browser by the library itself (explorer/explorer.h). It needs no network and no server.
-/// Only with `has_explorer()`.
+/// @throws InputError without `has_explorer()`
 /// @param version  "softfinger 0.1.0"
 /// @param command  as typed
 /// @param start    none: a silicone finger on a plane by its relative radii, and a rectangular pad

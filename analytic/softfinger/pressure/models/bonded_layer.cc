@@ -135,8 +135,8 @@ class BondedLayer final : public PressureModel {
     if (problem.has_object_layer() && !same(problem.layer, problem.object_layer))
       return {"single_layer", 0, 1, false,
               "no answer: a layer on the object must have the finger's thickness and "
-              "material (then each takes half of the gap); layer_fredholm (round "
-              "contacts) and layer_fft take two different ones"};
+              "material (then each takes half of the gap); stack_layer takes "
+              "two different ones"};
     return {};
   }
 
