@@ -221,7 +221,7 @@ Html pad_table() {
 
 std::filesystem::path explorer_folder() { return system::share_folder() / "explorer"; }
 
-/// What is made apart from the program: the page's script, the 32 bytes of its SHA-256, and the
+/// Files made apart from the program: the page's script, the 32 bytes of its SHA-256, and the
 /// licences of what is compiled into it.
 struct ExplorerFiles {
   std::string script, sha256, licences;

@@ -12,7 +12,7 @@ namespace softfinger::report {
 /// Whether the page's script, with the library as WebAssembly, was built beside the program (target
 /// softfinger_explorer).
 bool has_explorer();
-/// What to do where it was not.
+/// The command that builds it, and what this needs.
 std::string how_to_build_explorer();
 /// Debian packages that this needs.
 inline constexpr std::string_view kExplorerPackages =
