@@ -2,6 +2,7 @@
 
 #include "analytic/python/bindings/contacts.h"
 #include "softfinger/pressure/rubbed_prediction.h"
+#include "softfinger/pressure/stack_models.h"
 
 namespace softfinger::python {
 namespace {
@@ -21,6 +22,7 @@ py::list models() {
     entry["is_fast"] = card.hot_path;
     entry["has_finite_strain"] = card.finite_strain;
     entry["knows_pressing_friction"] = knows_pressing_friction(*model);
+    entry["is_for_several_layers"] = is_for_stacks(*model);
     cards.append(entry);
   }
   return cards;

@@ -268,7 +268,8 @@ class ModelCard:
     is_fast: bool
     has_finite_strain: bool
     knows_pressing_friction: bool
-    def __init__(self, name: str, title: str, assumptions: str, equations: str, source: str, validity: str, cost: str, is_fast: bool, has_finite_strain: bool, knows_pressing_friction: bool) -> None: ...
+    is_for_several_layers: bool
+    def __init__(self, name: str, title: str, assumptions: str, equations: str, source: str, validity: str, cost: str, is_fast: bool, has_finite_strain: bool, knows_pressing_friction: bool, is_for_several_layers: bool) -> None: ...
 
 class ModelFit:
     name: str

@@ -159,8 +159,11 @@ def select(
             raise InputError("select", "quantities", quantity, choices(quantity, QUANTITIES))
     if not quantities:
         raise InputError("select", "quantities", quantities, "at least one")
-    fast = [card["name"] for card in _core.models() if card["is_fast"]]
-    names = fast if models is None else [models] if isinstance(models, str) else list(models)
+    cards = [card for card in _core.models() if card["is_fast"]]
+    fast = [card["name"] for card in cards]
+    # For one layer the model of several would be listed twice.
+    usual = [card["name"] for card in cards if not card["is_for_several_layers"]]
+    names = usual if models is None else [models] if isinstance(models, str) else list(models)
     for name in names:
         if name not in fast:
             raise InputError("select", "models", name, choices(name, fast))

@@ -38,6 +38,7 @@ class ModelCard:
     is_fast: bool  #: microseconds, no allocation
     has_finite_strain: bool  #: of large deformation
     knows_pressing_friction: bool  #: whether its answers have the friction that acts while pressing
+    is_for_several_layers: bool  #: layers on both bodies; one layer has the answer of bonded_layer
 
 
 def models() -> dict[str, ModelCard]:

@@ -42,6 +42,34 @@ ValidityCheck sublayer_violation(const LayerStack& stack) noexcept {
   return {};
 }
 
+/// A ratio of the bodies' numbers beyond which their contact is not trusted, as a check that fails:
+/// there it has been seen to grow as a layer becomes thinner.
+ValidityCheck unlike_bodies(const ContactProblem& problem) noexcept {
+  constexpr double kLargestRadiiRatio = 20, kLargestModuliRatio = 1e3, kLargestThicknessRatio = 1e4;
+  const auto ratio = [](double one, double other) {
+    return std::min(std::max(one / other, other / one), std::numeric_limits<double>::max());
+  };
+  const double radii = ratio(problem.radii.major_m, problem.radii.minor_m);
+  if (!(radii <= kLargestRadiiRatio))
+    return {"two_bodies_radii", radii, kLargestRadiiRatio, true,
+            "no answer: with layers on both bodies R'/R'' at most 20"};
+  double moduli = 1;
+  const LayerStack finger = problem.finger_layers();
+  for (std::size_t i = 0; i < std::min(finger.count, LayerStack::kMost); ++i)
+    moduli = std::max(moduli, ratio(finger.sublayers[i].youngs_modulus_Pa,
+                                    problem.object_layer.youngs_modulus_Pa));
+  if (!(moduli <= kLargestModuliRatio))
+    return {
+        "two_bodies_moduli", moduli, kLargestModuliRatio, true,
+        "no answer: the moduli of the two bodies differ by more than a factor of 1000: leave out "
+        "the hard one's layer"};
+  const double thickness = ratio(finger.thickness_m(), problem.object_layer.thickness_m);
+  if (!(thickness <= kLargestThicknessRatio))
+    return {"two_bodies_thickness", thickness, kLargestThicknessRatio, true,
+            "no answer: the layers' thicknesses differ by more than a factor of 10,000"};
+  return {};
+}
+
 class StackLayer final : public PressureModel {
  public:
   const ModelCard& card() const noexcept override {
@@ -70,7 +98,7 @@ class StackLayer final : public PressureModel {
         "times that without",
         true,
         false,
-        {1e-12, 1e-12, 1e-4,
+        {1e-12, 1e-12, 1e-2,
          "one layer has the pressure of bonded_layer, and so have several: given the load, the "
          "torque arm and the peak in closed form"}};
     return card;
@@ -127,7 +155,10 @@ class StackLayer final : public PressureModel {
 
   static ValidityCheck why_unanswered(const ContactProblem& problem) noexcept {
     const ValidityCheck violation = first_range_violation(problem);
-    return *violation.check ? violation : sublayer_violation(problem.finger_layers());
+    if (*violation.check) return violation;
+    if (problem.has_object_layer())
+      if (const ValidityCheck unlike = unlike_bodies(problem); *unlike.check) return unlike;
+    return sublayer_violation(problem.finger_layers());
   }
 };
 
