@@ -439,15 +439,16 @@ double p95(const std::vector<double>& sorted) { return sorted[sorted.size() * 95
 
 TEST(StackLayer, TakesALayerOnEitherBody) {
   // Each limit is twice what was found on other seeds: 4e-4, 8e-5 and 6e-5.
-  const TwoLayerErrors round("layer_fredholm", 3, 300, 1);
+  const TwoLayerErrors round("layer_fredholm", 103, 300, 1);
   ASSERT_GT(round.a.size(), 200u);
   EXPECT_LT(p95(round.a), 8e-4);
   EXPECT_LT(p95(round.depth), 1.6e-4);
   EXPECT_LT(p95(round.torque), 1.2e-4);
   EXPECT_LT(round.a.back(), 5e-3);
-  const TwoLayerErrors elliptic("layer_fft", 4, 30, 5);
+  const TwoLayerErrors elliptic("layer_fft", 104, 30, 5);
   ASSERT_GT(elliptic.a.size(), 20u);
-  // As for stacks of sublayers, whose ellipses follow from the exponent of the load.
+  // The ellipse's shape follows from the exponent of the load alone. Other seeds gave 8e-4, 2.8e-3
+  // and 2.3e-3: each limit is about twice that.
   EXPECT_LT(p95(elliptic.a), 2e-3);
   EXPECT_LT(p95(elliptic.depth), 6e-3);
   EXPECT_LT(p95(elliptic.torque), 6e-3);
@@ -458,10 +459,10 @@ TEST(StackLayer, GivesLayersThatAreAlikeTheAnswerOfBondedLayer) {
   problem.object_layer = problem.layer;
   const Prediction stack = model_named("stack_layer").predict(problem),
                    layer = model_named("bonded_layer").predict(problem);
-  // One is solved and divided by itself, 1e-9; the other is read from a table.
-  EXPECT_NEAR(stack.a_m / layer.a_m, 1, 1e-6);
-  EXPECT_NEAR(stack.indentation_m / layer.indentation_m, 1, 1e-6);
-  EXPECT_NEAR(stack.torque_arm_exact_m / layer.torque_arm_exact_m, 1, 1e-6);
+  // The solved contact is divided by itself, and both read the same table: rounding is left.
+  EXPECT_NEAR(stack.a_m / layer.a_m, 1, 1e-12);
+  EXPECT_NEAR(stack.indentation_m / layer.indentation_m, 1, 1e-12);
+  EXPECT_NEAR(stack.torque_arm_exact_m / layer.torque_arm_exact_m, 1, 1e-12);
 }
 
 TEST(StackLayer, IsTheSameSeenFromEitherBodyAndKnowsAHardOne) {
@@ -472,7 +473,8 @@ TEST(StackLayer, IsTheSameSeenFromEitherBodyAndKnowsAHardOne) {
     std::swap(other.layer, other.object_layer);
     const PressureModel& model = model_named("stack_layer");
     const Prediction one = model.predict(problem), from_other = model.predict(other);
-    // The steps of Newton's method begin alike but for rounding.
+    // The steps of Newton's method begin alike but for rounding, which equations of a condition of
+    // some 1e4 amplify.
     EXPECT_NEAR(one.a_m / from_other.a_m, 1, 1e-9) << i;
     EXPECT_NEAR(one.indentation_m / from_other.indentation_m, 1, 1e-9) << i;
     ContactProblem hard = problem, rigid = problem;

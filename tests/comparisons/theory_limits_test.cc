@@ -63,6 +63,7 @@ TEST(TheoryLimits, ShareTheIndentationOfTwoLayers) {
   two.object_layer = two.layer;
   const auto strain = [&] { return limits(two, result_with(2e-3, 1e-3, 0.4e-3)).begin()->value; };
   EXPECT_DOUBLE_EQ(strain(), 0.5 * 0.4e-3 / two.layer.thickness_m) << "two that are alike";
+  // A layer that is 1e9 times as hard takes some 1e-9 of the indentation.
   two.object_layer.youngs_modulus_Pa *= 1e9;
   EXPECT_NEAR(strain(), 0.4e-3 / two.layer.thickness_m, 1e-8) << "a hard one takes none of it";
   two.object_layer.youngs_modulus_Pa *= 1e-18;
