@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -31,7 +32,7 @@ struct FemOptions {
   CaseInput typed_case;
   TaxelInput taxels;
   std::string output;
-  std::string compliance;
+  std::string compliance, at_time;
   std::vector<double> twist_axis_mm;
   double approach_mm = 0;
   int level = 0, increments = 20, limit_surface = 0, increments_to_slip = 0;
@@ -61,6 +62,7 @@ struct Plan {
   /// With a given approach the load is a result. The first load then only chooses the size of the
   /// patch on which the radii of a mesh are fitted.
   double approach_mm = 0;
+  std::optional<double> time_s;  ///< of a layer that relaxes; infinite: at rest
   std::vector<double> loads_N;
   std::vector<prediction::LocalGeometry> geometries;  ///< of each load
   std::vector<std::size_t> order;                     ///< of solving: places in loads_N
@@ -122,6 +124,53 @@ void refuse_for_pads(const FemOptions& options) {
   refuse(options.increments_to_slip > 0, "--increments-to-slip", "without it");
 }
 
+/// Refuses what a layer that relaxes does not have.
+void refuse_in_time(const FemOptions& options, const input::Case& typed) {
+  options.taxels.refuse("for a case without relaxation and history");
+  const auto refuse = [](bool is_given, const char* option) {
+    if (is_given)
+      throw InputError("command line", option, "of a case with relaxation or history",
+                       "without it: over time the elements press without friction");
+  };
+  refuse(options.torsion, "--torsion");
+  refuse(options.limit_surface > 0, "--limit-surface");
+  refuse(options.approach_mm != 0, "--approach-mm");
+  refuse(!options.typed_case.load_N.empty() && !typed.times.history.empty(), "--load");
+  refuse(!options.output.empty(), "--output");
+  refuse(!options.compliance.empty(), "--export-compliance");
+  if (typed.fem_kinematics_typed && typed.fem_finite)
+    throw InputError(typed.times.where, "[fem] kinematics", "\"finite\"",
+                     "\"linear\" with relaxation or history");
+}
+
+/// The moment that is asked for: without --at-time the end of the history, or held for long.
+void set_time(const FemOptions& options, const input::Case& typed, Plan& plan) {
+  const input::ContactTimes& times = typed.times;
+  if (!times.are_given()) return;
+  refuse_in_time(options, typed);
+  plan.time_s =
+      times.history.empty() ? std::numeric_limits<double>::infinity() : times.history.back().time_s;
+  if (!options.at_time.empty())
+    plan.time_s = number_of("--at-time", options.at_time, "a finite number of seconds");
+  if (times.history.empty()) return;
+  const double value = times.of(0).value(*plan.time_s);
+  if (!(value > 0))
+    throw InputError("command line", "--at-time", *plan.time_s,
+                     "a time at which the history has a load or an approach above 0");
+  if (times.drive == ContactHistory::Drive::approach)
+    plan.approach_mm = 1e3 * value;
+  else
+    plan.loads_N = {value};
+}
+
+/// A history, or a load that is put on at once and held.
+reference::FemProblem::InTime in_time_of(const input::Case& contact_case, double time_s,
+                                         double load_N) {
+  const input::ContactTimes& times = contact_case.times;
+  return {times.relaxation,
+          times.history.empty() ? std::vector<HistoryPoint>{{0, load_N}} : times.history, time_s};
+}
+
 Plan plan_loads(const FemOptions& options, const input::Case& typed) {
   Plan plan;
   const prediction::GeometryResolver surfaces(typed);
@@ -129,13 +178,18 @@ Plan plan_loads(const FemOptions& options, const input::Case& typed) {
   plan.level = options.level > 0 ? options.level : typed.fem_level;
   plan.approach_mm = options.approach_mm;
   plan.loads_N = typed.loads_N;
+  set_time(options, typed, plan);
   if (plan.by_approach()) plan.loads_N.resize(1);
   check(options, plan);
-  plan.contact_case = reference::with_full_reference(
-      typed, surfaces, idealisations_of(options, typed), plan.approach_m());
+  reference::Idealisations idealisations = idealisations_of(options, typed);
+  idealisations.linear = idealisations.linear || plan.time_s;
+  plan.contact_case =
+      reference::with_full_reference(typed, surfaces, idealisations, plan.approach_m());
   plan.curved_by_default = plan.contact_case.fem_curved && !typed.fem_geometry_typed;
   const prediction::GeometryResolver resolver(plan.contact_case, &surfaces);
-  plan.is_full = reference::is_full_reference(plan.contact_case, resolver, plan.approach_m());
+  // Whether strain matters is only known of elastic contacts.
+  plan.is_full =
+      !plan.time_s && reference::is_full_reference(plan.contact_case, resolver, plan.approach_m());
   for (const double load_N : plan.loads_N) plan.geometries.push_back(resolver.place(load_N));
   // One process solves all loads. The largest contact comes first, because smaller ones can use its
   // mesh. At finite strain the smallest comes first: each load has its own meshes there, and the
@@ -156,6 +210,7 @@ reference::FemProblem problem_of(const FemOptions& options, const Plan& plan, st
   reference::FemProblem problem =
       reference::fem_problem(contact_case, plan.geometries[load], load_N, plan.level);
   problem.approach_m = plan.approach_m();
+  if (plan.time_s) problem.in_time = in_time_of(contact_case, *plan.time_s, load_N);
   problem.friction = friction_request(options);
   problem.lists_forces = !options.taxels.array.empty();
   if (!options.compliance.empty())
@@ -232,8 +287,9 @@ FemAnswerText answer_of(const Plan& plan, std::size_t load,
           result,
           validity,
           judgement::bound_of({plan.contact_case, geometry, result, plan.is_full, validity.holds(),
-                               plan.by_approach()}),
-          plan.approach_m()};
+                               plan.by_approach() || plan.time_s}),
+          plan.approach_m(),
+          plan.time_s};
 }
 
 /// Layers of the finger at one load, for readings at depth.
@@ -277,6 +333,7 @@ int run_fem(const FemOptions& options) {
     return fem_pad({options.level, options.limit_surface, options.json, options.limits}, typed);
   }
   const std::optional<prediction::TaxelRequest> taxels = options.taxels.request();
+  if (!options.at_time.empty()) refuse_time_without_times(typed, options.at_time);
   const Plan plan = plan_loads(options, typed);
   if (taxels) check_taxels(*taxels, plan.contact_case);
   system::fem_program();  // refuses before anything is written
@@ -303,6 +360,7 @@ void add_fem(CLI::App& app, Action& action) {
       "Finite elements of the finger itself, as compare solves them, with their own error; seconds "
       "to minutes");
   add_case(*command, options->typed_case, false, input::FlatPads::taken);
+  options->typed_case.times = input::Times::taken;
   command
       ->add_option("--level", options->level,
                    "refinement, 1 (coarse) to 3 (fine); default: the case's own, else 2")
@@ -343,6 +401,10 @@ void add_fem(CLI::App& app, Action& action) {
       "--export-compliance", options->compliance,
       "file for the compliance of the contact surface (m/N; the first line says what "
       "follows); default: none");
+  command->add_option("--at-time", options->at_time,
+                      "of a case with relaxation or history: the time (s), also after the load has "
+                      "fallen and risen again; linear and without friction; default: its end, or "
+                      "held for long");
   add_taxels(*command, options->taxels, "the finite elements");
   command->add_flag("--linear", options->idealisations.linear,
                     "linear elasticity; default: finite strain where it changes a number by more "

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "comparisons/prediction/answer_in_time.h"
 #include "comparisons/prediction/answer_json.h"
 #include "comparisons/prediction/answer_text.h"
 #include "comparisons/reference/theory_limits.h"
@@ -131,6 +132,13 @@ std::string with_bound(double bound) {
   return std::isfinite(bound) ? " ± " + text::percent(bound) : " (± not known)";
 }
 
+/// ", at 4 s"; ", held for long"; empty where nothing changes with time.
+std::string when_in_words(const FemAnswerText& answer) {
+  if (!answer.time_s) return "";
+  return std::isinf(*answer.time_s) ? ", held for long"
+                                    : fmt::format(", at {:.4g} s", *answer.time_s);
+}
+
 }  // namespace
 
 std::string describe_reference(const input::Case& contact_case, int level) {
@@ -155,7 +163,8 @@ std::string answer_line(const FemAnswerText& answer) {
       "elements of {} {}{}",
       1e3 * result.max_torque_Nm, with_bound(bound_of(answer, Quantity::max_torque)),
       2e3 * result.a_m, 2e3 * result.b_m, 1e3 * result.eccentricity_m, result.load_N,
-      answer.approach_m ? fmt::format(", pressed by {:.4g} mm", 1e3 * *answer.approach_m) : "",
+      (answer.approach_m ? fmt::format(", pressed by {:.4g} mm", 1e3 * *answer.approach_m) : "") +
+          when_in_words(answer),
       what, contact_case.fem_finite ? "at finite strain" : "in linear theory",
       beyond.empty() ? "" : ", NOT VALID: " + beyond);
 }
@@ -187,6 +196,11 @@ nlohmann::json to_json(const FemAnswerText& answer) {
   const reference::ReferenceResult& result = answer.result;
   nlohmann::json object = result.document;
   object["load_N"] = result.load_N;
+  if (answer.time_s) {
+    object["time_s"] = text::finite_or_null(*answer.time_s);
+    object["relaxation"] = prediction::relaxation_json(answer.contact_case.times);
+    object["history"] = prediction::history_json(answer.contact_case.times);
+  }
   object["model"] = "fem";
   object["torque_rule"] = "exact";
   object["valid"] = answer.validity.holds();

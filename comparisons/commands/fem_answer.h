@@ -20,6 +20,7 @@ struct FemAnswerText {
   Validity validity;  ///< of the theory
   judgement::ReferenceBound bound;
   std::optional<double> approach_m;  ///< where that was given in place of the load
+  std::optional<double> time_s;      ///< of a layer that relaxes; infinite: at rest
 };
 
 /// "the finger itself (curved, R 20 and 12 mm), finite strain, neo-Hookean, Q2/P1 elements of level

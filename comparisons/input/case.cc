@@ -259,7 +259,9 @@ void read_layers(const TomlReader& reader, const toml::table& root, Case& result
                       with_material_keys({"thickness_mm", "youngs_modulus_kPa", "poisson_ratio",
                                           "winkler_modulus", "relaxation"}));
     result.layer = reader.elastic_layer(table, "[layer]");
-    read_relaxation(reader, table, result);
+    result.times.relaxation = read_relaxation(reader, table);
+    if (const toml::node* relaxation = table.get("relaxation"))
+      result.times.where = reader.where(*relaxation);
     read_winkler_modulus(reader, table, result);
   }
   if (!on_object) return;

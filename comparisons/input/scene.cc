@@ -10,6 +10,7 @@
 
 #include "comparisons/input/mesh_file.h"
 #include "comparisons/input/mesh_unit.h"
+#include "comparisons/input/time_reader.h"
 #include "comparisons/input/toml_reader.h"
 #include "comparisons/input/unusual_values.h"
 #include "comparisons/system/files.h"
@@ -99,7 +100,11 @@ class SceneReader {
   const toml::table& root_;
   fs::path folder_;
   Scene& scene_;
-  std::map<std::string, ElasticLayer> layers_;
+  struct Layer {
+    ElasticLayer elastic;
+    Relaxation relaxation;
+  };
+  std::map<std::string, Layer> layers_;
   std::vector<const toml::table*> body_tables_, joint_tables_, loop_tables_;
 };
 
@@ -238,15 +243,12 @@ void SceneReader::read_simulation() {
 
 void SceneReader::read_layers() {
   for (const toml::table* table : tables("layer", kMostLayers)) {
-    if (const toml::node* relaxation = table->get("relaxation"))
-      reader_.say(*relaxation,
-                  "softfinger simulate does not know relaxation yet: softfinger predict and export "
-                  "do, for a case");
-    reader_.check_keys(*table, "[[layer]]",
-                       {"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio"});
+    reader_.check_keys(
+        *table, "[[layer]]",
+        {"name", "thickness_mm", "youngs_modulus_kPa", "poisson_ratio", "relaxation"});
     const toml::node& name = reader_.required(*table, "[[layer]]", "name");
-    if (!layers_.emplace(reader_.name(name, "name"), reader_.elastic_layer(*table, "[[layer]]"))
-             .second)
+    const Layer layer{reader_.elastic_layer(*table, "[[layer]]"), read_relaxation(reader_, *table)};
+    if (!layers_.emplace(reader_.name(name, "name"), layer).second)
       reader_.refuse(name, "name", "each layer once");
   }
 }
@@ -482,7 +484,8 @@ void SceneReader::read_bodies() {
       const std::string typed = reader_.name(*layer, "layer");
       const auto found = layers_.find(typed);
       if (found == layers_.end()) reader_.refuse(*layer, "layer", "the name of a [[layer]]");
-      body.layer = found->second;
+      body.layer = found->second.elastic;
+      body.relaxation = found->second.relaxation;
     }
     if (const toml::node* massless = table->get("massless"))
       description.massless = reader_.boolean(*massless, "massless");

@@ -16,6 +16,7 @@
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/input/shear_law.h"
 #include "softfinger/pressure/pressure_model.h"
+#include "softfinger/time/relaxation.h"
 
 /// A scene as its file describes it: bodies, joints, motors, contacts, and what happens to them.
 namespace softfinger::input {
@@ -30,6 +31,7 @@ struct SceneBody {
   std::string name;
   std::vector<Shape> shapes;
   std::optional<ElasticLayer> layer;  ///< a soft surface on a rigid core
+  Relaxation relaxation;              ///< of the layer, whose modulus is the instantaneous one
   bool is_mass_derived = false;       ///< mass or inertia are those of the shapes
 };
 

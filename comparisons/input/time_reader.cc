@@ -44,9 +44,9 @@ void at_line_of(const TomlReader& reader, const toml::node& node, const Make& ma
 
 }  // namespace
 
-void read_relaxation(const TomlReader& reader, const toml::table& layer, Case& result) {
+Relaxation read_relaxation(const TomlReader& reader, const toml::table& layer) {
   const toml::node* node = layer.get("relaxation");
-  if (!node) return;
+  if (!node) return {};
   std::vector<RelaxationTerm> terms;
   if (const toml::table* law = node->as_table()) {
     reader.check_keys(*law, "relaxation", {"exponent", "time_s", "until_s"});
@@ -69,8 +69,9 @@ void read_relaxation(const TomlReader& reader, const toml::table& layer, Case& r
                                                     "relaxation.time_s", 1)});
     }
   }
-  at_line_of(reader, *node, [&] { result.times.relaxation = Relaxation(terms); });
-  if (!result.times.are_given()) result.times.where = reader.where(*node);
+  Relaxation result;
+  at_line_of(reader, *node, [&] { result = Relaxation(terms); });
+  return result;
 }
 
 void read_history(const TomlReader& reader, const toml::node& node, Case& result) {

@@ -95,6 +95,17 @@ json friction_json(const FrictionRequest& request) {
   return object;
 }
 
+json times_json(const FemProblem::InTime& in_time) {
+  json object = {{"relaxation", json::array()},
+                 {"history", json::array()},
+                 {"time_s", text::finite_or_null(in_time.time_s)}};
+  for (const RelaxationTerm& term : in_time.relaxation.terms())
+    object["relaxation"].push_back({{"share", term.share}, {"time_s", term.time_s}});
+  for (const HistoryPoint& point : in_time.points)
+    object["history"].push_back({{"time_s", point.time_s}, {"value", point.value}});
+  return object;
+}
+
 /// @param fit       of a mesh
 /// @param point_m   where a mesh is touched
 /// @param metres_per_unit  of a mesh's file
@@ -166,6 +177,7 @@ json to_json(const FemProblem& problem) {
   }
   if (problem.pressing != PressingFriction::none) object["pressing"] = name_of(problem.pressing);
   if (problem.approach_m) object["approach_m"] = *problem.approach_m;
+  if (problem.in_time) object["in_time"] = times_json(*problem.in_time);
   if (problem.finite_strain) {
     object["kinematics"] = "finite";
     add_material(*problem.finite_strain, object["layer"]);

@@ -59,6 +59,13 @@ struct FemProblem {
   std::optional<input::FiniteStrain> finite_strain;  ///< none: linear elasticity
   double load_N = 0;
   std::optional<double> approach_m;  ///< the load is then a result
+  /// A layer that relaxes, and its history until a time: its load or approach is that above.
+  struct InTime {
+    Relaxation relaxation;
+    std::vector<HistoryPoint> points;
+    double time_s = 0;  ///< infinite: at rest
+  };
+  std::optional<InTime> in_time;
   ShearLaw shear_law;
   PressingFriction pressing = PressingFriction::none;
   int level = 2;

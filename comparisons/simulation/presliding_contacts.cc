@@ -46,20 +46,24 @@ std::optional<StuckStiffness> stuck_stiffness_at(const PressureModel& model,
 }
 
 std::optional<StuckStiffness> PreslidingContacts::Described::stuck_at(double load_N) const {
-  if (model) return stuck_stiffness_at(*model, problem, load_N);
+  if (model) return stuck_stiffness_at(*model, problem, effective.of(load_N));
   return face;
 }
 
-void PreslidingContacts::add(long id, const PressureModel& model, const ContactProblem& problem) {
+void PreslidingContacts::add(long id, const PressureModel& model, const ContactProblem& problem,
+                             const EffectiveLoad& effective, const Relaxation& relaxation) {
   Described described;
   described.model = &model;
   described.problem = problem;
+  described.effective = effective;
+  described.relaxation = relaxation;
   now_.insert_or_assign(id, described);
 }
 
-void PreslidingContacts::add_face(long id, const StuckStiffness& stuck, double aspect,
-                                  double size) {
+void PreslidingContacts::add_face(long id, const StuckStiffness& stuck, double aspect, double size,
+                                  const Relaxation& relaxation) {
   Described described;
+  described.relaxation = relaxation;
   described.face = stuck;
   described.face_aspect = aspect;
   described.face_size = size;
@@ -93,7 +97,8 @@ const PreslidingElements& PreslidingContacts::elements_of(const Described& conta
       .first->second;
 }
 
-void PreslidingContacts::prepare(const Multibody& bodies, std::vector<Contact>& contacts) {
+void PreslidingContacts::prepare(const Multibody& bodies, double time_step_s,
+                                 std::vector<Contact>& contacts) {
   for (auto held = held_.begin(); held != held_.end();)
     held = now_.count(held->first) ? std::next(held) : held_.erase(held);
   if (now_.empty()) return;
@@ -110,8 +115,10 @@ void PreslidingContacts::prepare(const Multibody& bodies, std::vector<Contact>& 
     Held& held = found->second;
     const Eigen::Matrix3d turn_of_a = bodies.pose(contact.a).linear();
     if (is_new) {
+      held.elements.set_relaxation(own.relaxation);
       held.elements.set_limits(*stuck, 0, 0);
     } else {
+      held.elements.relax(time_step_s);
       const Eigen::Vector3d before = contact.axes.transpose() * (turn_of_a * held.axis_on_a);
       held.elements.turn_axes(-std::atan2(before.y(), before.x()));
     }

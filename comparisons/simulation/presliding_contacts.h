@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "comparisons/simulation/contact_creep.h"
 #include "softfinger/dynamics/step/presliding.h"
 #include "softfinger/dynamics/step/time_stepper.h"
 #include "softfinger/pressure/pressure_model.h"
@@ -15,20 +16,23 @@ namespace softfinger::simulation {
 
 /// The contacts of a scene that give way before they slide, from step to step. A step takes the
 /// stiffness of the contact at the load of the last step, and the wrench that its elements hold;
-/// afterwards they are moved by what the contact has given way. The step's stiffness is that of
+/// afterwards they are moved by what the contact has given way. In rubber that relaxes they lose
+/// load from step to step, so that what is held creeps. The step's stiffness is that of
 /// elements of which none slides: never too soft, so that no energy is made.
 class PreslidingContacts {
  public:
   /// Forgets which contacts there are, not what they hold.
   void clear() { now_.clear(); }
   /// A contact of the coming step. The problem's load is taken where the contact is a new one.
-  void add(long id, const PressureModel& model, const ContactProblem& problem);
+  void add(long id, const PressureModel& model, const ContactProblem& problem,
+           const EffectiveLoad& effective, const Relaxation& relaxation);
   /// Likewise the friction of a flat face, whose stiffness does not depend on the load.
   /// @param aspect  of its lengths, at most 1
   /// @param size    half of its length over the layer's thickness
-  void add_face(long id, const StuckStiffness& stuck, double aspect, double size);
+  void add_face(long id, const StuckStiffness& stuck, double aspect, double size,
+                const Relaxation& relaxation);
   /// Sets compliance and elastic wrench of those that were added, and drops what the others held.
-  void prepare(const Multibody& bodies, std::vector<Contact>& contacts);
+  void prepare(const Multibody& bodies, double time_step_s, std::vector<Contact>& contacts);
   /// After a step that is done.
   void settle(const TimeStepper& stepper);
 
@@ -43,6 +47,8 @@ class PreslidingContacts {
   struct Described {
     const PressureModel* model = nullptr;  ///< null: a face
     ContactProblem problem;
+    EffectiveLoad effective;
+    Relaxation relaxation;
     StuckStiffness face{};
     double face_aspect = 1, face_size = 0;
 

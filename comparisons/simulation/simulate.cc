@@ -15,6 +15,7 @@
 
 #include "comparisons/input/recorded_contacts.h"
 #include "comparisons/simulation/collision.h"
+#include "comparisons/simulation/contact_creep.h"
 #include "comparisons/simulation/contact_model.h"
 #include "comparisons/simulation/presliding_contacts.h"
 #include "comparisons/simulation/shape_pair.h"
@@ -35,8 +36,9 @@ using Clock = std::chrono::steady_clock;
 /// law.
 class ModelEccentricity final : public EccentricityLaw {
  public:
-  ModelEccentricity(const PressureModel& model, const ContactProblem& problem, const ShearLaw& law)
-      : model_(model), problem_(problem), law_(law) {}
+  ModelEccentricity(const PressureModel& model, const ContactProblem& problem, const ShearLaw& law,
+                    const EffectiveLoad& effective)
+      : model_(model), problem_(problem), law_(law), effective_(effective) {}
 
   double eccentricity_m(double load_N) const noexcept override {
     if (!(load_N > 0)) return 0;
@@ -55,13 +57,14 @@ class ModelEccentricity final : public EccentricityLaw {
       prediction.torque_arm_exact_m = limit(prediction, load_N).eccentricity_m;
     return equivalent_exponent(prediction);
   }
-  Prediction predict(double load_N) const noexcept {
-    ContactProblem at_load = problem_;
-    at_load.load.normal_force_N = load_N;
-    return model_.predict(at_load);
-  }
+  Prediction predict(double load_N) const noexcept { return model_.predict(problem_at(load_N)); }
   const PressureModel& model() const { return model_; }
-  const ContactProblem& problem() const { return problem_; }
+  /// The elastic contact that is as large as this one under a load.
+  ContactProblem problem_at(double load_N) const {
+    ContactProblem at_load = problem_;
+    at_load.load.normal_force_N = effective_.of(load_N);
+    return at_load;
+  }
 
  private:
   FrictionEllipsoid limit(const Prediction& prediction, double load_N) const noexcept {
@@ -73,6 +76,7 @@ class ModelEccentricity final : public EccentricityLaw {
   const PressureModel& model_;
   ContactProblem problem_;
   ShearLaw law_;
+  EffectiveLoad effective_;
 };
 
 /// The touching points of the bodies as contacts with friction.
@@ -100,6 +104,7 @@ class SceneContacts final : public ContactFinder {
     pressures_.clear();
     shapes_.clear();
     detector_.find(bodies, time_step_s, points_);
+    forget_creep_of_others();
     for (const TouchingPoint& point : points_) contacts.push_back(contact_at(point));
     const std::size_t first = contacts.size();
     faces_.describe(points_, bodies, contacts);
@@ -108,14 +113,20 @@ class SceneContacts final : public ContactFinder {
       origins_[friction.id].friction = &input::kEllipsoidLaw;
       if (!scene_.rule(friction.a, friction.b).presliding) continue;
       const SoftFaces::Face& face = *faces_.face(friction);
-      presliding_.add_face(friction.id, face.stuck, face.aspect, face.size);
+      presliding_.add_face(friction.id, face.stuck, face.aspect, face.size,
+                           relaxation_of(friction.a, friction.b));
     }
-    presliding_.prepare(bodies, contacts);
+    presliding_.prepare(bodies, time_step_s, contacts);
   }
   /// After a step that is done.
   void settle(const TimeStepper& stepper) {
     presliding_.settle(stepper);
     faces_.settle(stepper);
+    for (int i = 0; i < int(stepper.contacts().size()); ++i) {
+      const auto creep = creep_.find(stepper.contacts()[std::size_t(i)].id);
+      if (creep != creep_.end())
+        creep->second.hold(stepper.wrench(i).normal_force_N, scene_.time_step_s);
+    }
   }
   /// The soft flat face that a contact belongs to; null: a point of its own.
   const SoftFaces::Face* face(const Contact& contact) const { return faces_.face(contact); }
@@ -164,9 +175,13 @@ class SceneContacts final : public ContactFinder {
                                        1 / point.radii.minor_m - of_a.yy_per_m, -of_a.xy_per_m};
     problem.is_object_spherical = a_is_finger ? point.b_is_sphere : point.a_is_sphere;
     const PressureModel& model = model_of_contact(scene_, point.a, point.b, problem);
-    origin.pressure = &pressures_.emplace_back(model, problem, rule.shear_law);
+    const Relaxation& relaxation = relaxation_of(point.a, point.b);
+    EffectiveLoad effective;
+    if (!relaxation.is_elastic())
+      effective = creep_.try_emplace(contact.id, relaxation).first->second.over(scene_.time_step_s);
+    origin.pressure = &pressures_.emplace_back(model, problem, rule.shear_law, effective);
     contact.eccentricity_law = origin.pressure;
-    if (rule.presliding) presliding_.add(contact.id, model, problem);
+    if (rule.presliding) presliding_.add(contact.id, model, problem, effective, relaxation);
     if (const auto table = tables_.find(&rule); table != tables_.end())
       contact.eccentricity_law = &table->second;
     if (!origin.friction->shape) return;
@@ -179,7 +194,27 @@ class SceneContacts final : public ContactFinder {
     contact.shape = shapes_.back().get();
   }
 
+  /// Elastic where two layers have no common modulus: `UnknownContacts` tells of them.
+  const Relaxation& relaxation_of(int a, int b) {
+    const auto [known, is_new] = relaxations_.try_emplace({a, b});
+    if (is_new)
+      known->second =
+          common_relaxation(scene_.bodies[std::size_t(a)], scene_.bodies[std::size_t(b)])
+              .value_or(Relaxation());
+    return known->second;
+  }
+
+  void forget_creep_of_others() {
+    if (creep_.empty()) return;
+    std::set<long> here;
+    for (const TouchingPoint& point : points_) here.insert(point.id);
+    for (auto creep = creep_.begin(); creep != creep_.end();)
+      creep = here.count(creep->first) ? std::next(creep) : creep_.erase(creep);
+  }
+
   const input::Scene& scene_;
+  std::map<std::pair<int, int>, Relaxation> relaxations_;
+  std::unordered_map<long, ContactCreep> creep_;  ///< by the contact's id
   std::map<const input::ContactRule*, SampledEccentricity> tables_;
   CollisionDetector detector_;
   std::vector<TouchingPoint> points_;
@@ -241,7 +276,7 @@ RecordedContact recorded(const TimeStepper& stepper, int index, const SceneConta
     result.semi_axis_b_m = prediction.b_m;
     result.pressure_exponent = origin.pressure->limit_exponent(prediction, wrench.normal_force_N);
     result.model = std::string(origin.pressure->model().card().name);
-    result.finger_curvature = origin.pressure->problem().finger_curvature;
+    result.finger_curvature = origin.pressure->problem_at(1).finger_curvature;
   }
   result.utilisation = utilisation(result, contact.shape);
   // The solver's own decision: its slip lambda is complementary to what is left of the friction
@@ -286,9 +321,12 @@ class UnknownContacts {
       point.load_N = std::max(point.load_N, load_N);
       return;
     }
-    ContactProblem problem = pressure->problem();
-    problem.load.normal_force_N = load_N;
+    const ContactProblem problem = pressure->problem_at(load_N);
     const Prediction prediction = pressure->predict(load_N);
+    if (!common_relaxation(scene_.bodies[std::size_t(contact.a)],
+                           scene_.bodies[std::size_t(contact.b)]))
+      add(contact, "of two layers that relax differently, taken as if neither did", time_s).load_N =
+          load_N;
     const ErrorBound bound = error_bound(problem, prediction);
     if (bound.known) return;
     UnknownContact& unknown = add(contact, bound.outside, time_s);

@@ -36,11 +36,17 @@ void check_taxels(const input::Scene& scene, const prediction::TaxelRequest& req
     throw InputError("command line", "--taxels",
                      fmt::format("{},{}", request.columns, request.rows),
                      "NX,NY,PITCH_mm: an array in motion has one size");
-  for (const auto& body : scene.bodies)
+  for (const auto& body : scene.bodies) {
+    if (!body.relaxation.is_elastic())
+      throw InputError(
+          "command line", "--taxels", body.name,
+          "a scene whose layers do not relax: the pressure of a layer that does is not "
+          "that of its load alone");
     if (body.layer && !(request.depth_m >= 0 && request.depth_m <= body.layer->thickness_m))
       throw InputError("command line", "--taxels-depth", 1e3 * request.depth_m,
                        fmt::format("0 to the {:.6g} mm of {}'s layer",
                                    1e3 * body.layer->thickness_m, body.name));
+  }
 }
 
 std::string taxels_csv(const Recording& recording, const input::Scene& scene,

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "fem/base/formatted.h"
+#include "fem/contact/contact_in_time.h"
 #include "fem/layer/element_limits.h"
 #include "meshes/generation/object_surface.h"
 #include "softfinger/input/errors.h"
@@ -119,6 +120,11 @@ Pressing pressing_of(const Problem& problem, CoreWays ways) {
     pressing.approach = problem.approach_m / h;
   else
     pressing.load = problem.contact.load.normal_force_N / (layer.youngs_modulus_Pa * h * h);
+  if (problem.in_time) {
+    pressing.in_time = problem.in_time;
+    const double unit = problem.approach_m > 0 ? h : layer.youngs_modulus_Pa * h * h;
+    for (PressedInTime::Point& point : pressing.in_time->points) point.value /= unit;
+  }
   set_sublayers(problem, pressing);
   pressing.thickness_m = h;
   pressing.unit_of_force_N = layer.youngs_modulus_Pa * h * h;
@@ -365,12 +371,26 @@ Outcome<Pressed, FoldedLayer> press_on(std::shared_ptr<const LayerModel> model,
                : solve_normal_contact(compliance, pressed.gap,
                                       share * pressing.load / pressed.copies());
   };
+  const auto press = [&](const Eigen::MatrixXd& compliance) {
+    if (!pressing.in_time) {
+      pressed.contact = solve(compliance, 1);
+      return;
+    }
+    PressedInTime of_nodes = *pressing.in_time;
+    if (!(pressing.approach > 0))
+      for (PressedInTime::Point& point : of_nodes.points) point.value /= pressed.copies();
+    // Finer meshes take finer steps: the levels' difference tells of both.
+    const int fineness = 2 * pressed.model->discretisation().elements_per_semi_axis;
+    ContactInTime found =
+        follow_contact(compliance, pressed.gap, of_nodes, pressing.approach > 0, fineness);
+    pressed.contact = std::move(found.contact);
+    pressed.largest = std::move(found.largest);
+  };
   if (pressing.fingertip || pressing.mesh)
-    pressed.contact = solve(cosine.cwiseInverse().asDiagonal() * pressed.model->compliance() *
-                                cosine.cwiseInverse().asDiagonal(),
-                            1);
+    press(cosine.cwiseInverse().asDiagonal() * pressed.model->compliance() *
+          cosine.cwiseInverse().asDiagonal());
   else
-    pressed.contact = solve(pressed.model->compliance(), 1);
+    press(pressed.model->compliance());
   pressed.normal_force = pressed.contact.force.cwiseQuotient(cosine);
 
   if (pressing.bent.is_scan)

@@ -17,11 +17,12 @@ namespace softfinger::fem {
 
 /// A contact problem in the units of its layer: the layer and the object that is pressed on it.
 struct Pressing {
-  double major = 1, minor = 1;  ///< relative radii
-  double sphere = 0;            ///< radius, infinite for a paraboloid
-  double load = 0;              ///< P / (E h²); 0: by approach
-  double approach = 0;          ///< d / h, in place of the load
-  double poisson_ratio = 0;     ///< of the layer as a whole
+  double major = 1, minor = 1;           ///< relative radii
+  double sphere = 0;                     ///< radius, infinite for a paraboloid
+  double load = 0;                       ///< P / (E h²); 0: by approach
+  double approach = 0;                   ///< d / h, in place of the load
+  std::optional<PressedInTime> in_time;  ///< in these units
+  double poisson_ratio = 0;              ///< of the layer as a whole
   /// Depths of the interfaces between bonded sublayers, and what these are made of, from the
   /// surface on.
   std::vector<double> interfaces;
@@ -71,7 +72,8 @@ Pressing pressing_of(const Problem& problem, CoreWays ways = CoreWays::smoothed)
 struct Pressed {
   std::shared_ptr<const LayerModel> model;
   Eigen::VectorXd gap;
-  NormalContact contact;              ///< its forces are the components along the load
+  NormalContact contact;                 ///< its forces are the components along the load
+  std::optional<NormalContact> largest;  ///< on the way there, over time
   Eigen::VectorXd lift;               ///< of each node towards the object by friction; empty: none
   Eigen::VectorXd normal_force;       ///< per node, along the surface's normal
   Eigen::VectorXd cosine;             ///< of each node's normal with the load

@@ -87,8 +87,7 @@ class FiniteContact : public ContactPhysics {
                                     : FrictionBound(law_.friction_coefficient);
     pressing_->release_factor();
     try {
-      rubbed_ =
-          press_rubbing(*layer, object_, bound, {task_.pressing.load, task_.pressing.approach});
+      rubbed_ = press_with_friction(*layer, bound);
     } catch (const ConvergenceError& error) {
       throw ConvergenceError("pressing with friction at finite strain", error.iteration(),
                              error.residual(),
@@ -143,7 +142,7 @@ class FiniteContact : public ContactPhysics {
     measured = measure(*rubbed_->pressing);
     if (!measured) return measured.reason();
     Measurement measurement = measurement_of(*rubbed_->pressing, *measured);
-    measurement.result.stick_share = rubbed_->stick_share;
+    measurement.result.stick_share = rubbed_->drag.stick_share;
     measurement.frictionless = measurement_of(*pressing_, contact_).result;
     return measurement;
   }
@@ -199,6 +198,28 @@ class FiniteContact : public ContactPhysics {
   }
 
  private:
+  /// Presses with friction on a mesh of the same nodes: in load steps on the coarser level, whose
+  /// drag the finer one takes over. Load steps cost ten times what the contact without friction
+  /// does.
+  /// @throws ConvergenceError
+  RubbedPressing press_with_friction(const std::shared_ptr<FiniteLayer>& layer,
+                                     const FrictionBound& bound) {
+    const Drive drive{task_.pressing.load, task_.pressing.approach};
+    if (drag_ && drag_level_ < level_) {
+      const auto unloaded = layer->state();
+      try {
+        return press_dragged(*pressing_, layer, bound, drive, *drag_);
+      } catch (const ConvergenceError&) {
+        task_.progress(formatted("level %d: friction is followed in load steps", level_));
+        layer->restore(*unloaded);
+      }
+    }
+    RubbedPressing result = press_rubbing(*pressing_, layer, bound, drive);
+    drag_ = result.drag;
+    drag_level_ = level_;
+    return result;
+  }
+
   const Equilibrium& equilibrium() const { return pressing_->equilibrium(); }
   /// The contact as it was pressed. At full slip it is again the frictionless one, whatever
   /// friction did before.
@@ -505,8 +526,10 @@ class FiniteContact : public ContactPhysics {
   const std::shared_ptr<const RigidObject> object_;
   std::shared_ptr<FinitePressing> pressing_;  ///< without friction
   std::optional<RubbedPressing> rubbed_;      ///< the same contact, pressed with friction by `rub`
-  int level_ = 0;                             ///< of that mesh
-  DeformedContact contact_;                   ///< as measured last, of the frictionless one
+  std::optional<Drag> drag_;                  ///< by load steps, on a level
+  int drag_level_ = 0;
+  int level_ = 0;            ///< of that mesh
+  DeformedContact contact_;  ///< as measured last, of the frictionless one
   SurfaceSeries series_;
 };
 

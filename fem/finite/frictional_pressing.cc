@@ -425,13 +425,19 @@ Eigen::Matrix3Xd FrictionalPressing::places() const {
   return carried(kept_position_, kept_motion_, {}, -kept_approach_);
 }
 
-void FrictionalPressing::settle_at(const Eigen::Matrix3Xd& places) {
+void FrictionalPressing::settle_at(const Eigen::Matrix3Xd& places, const Drive& drive) {
+  const Rub rub = rub_by_coulomb();
   slide_.reset();
-  kept_position_ = carried(places, {}, kept_motion_, kept_approach_);
-  if (!try_motion(motion_, rub_by_coulomb(), of_pressing))
-    throw ConvergenceError("pressed contact with friction at finite strain", iterations_,
-                           out_of_balance_, failure_);
-  keep();
+  drive_ = {drive.load / layer_->planes().images(), drive.approach};
+  const Eigen::Matrix3Xd start = this->places();
+  double length = 1;
+  const double reached = advance(length, 1.0 / 8, 1, [&](double share, bool) {
+    kept_position_ = carried(start + share * (places - start), {}, kept_motion_, kept_approach_);
+    return try_motion(motion_, rub, of_pressing);
+  });
+  if (reached < 1)
+    throw ConvergenceError("pressed contact with friction at finite strain", iterations_, reached,
+                           failure_);
 }
 
 void FrictionalPressing::move_to(const PlaneMotion& motion) {

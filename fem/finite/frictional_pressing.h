@@ -62,9 +62,9 @@ class FrictionalPressing {
   /// The places on the object where the nodes stick, or slipped to in the last increment: what the
   /// contact remembers of its way.
   Eigen::Matrix3Xd places() const;
-  /// Solves the contact anew as if its way had led to these places.
-  /// @throws ConvergenceError
-  void settle_at(const Eigen::Matrix3Xd& places);
+  /// Solves the contact under this load or approach as if its way had led to these places.
+  /// @throws ConvergenceError; the state is then the last one that converged
+  void settle_at(const Eigen::Matrix3Xd& places, const Drive& drive);
 
   /// Slides from where the contact was pressed with the given velocity until every point slips. The
   /// object stays where it is. Friction is raised from none, or the slide starts from what those

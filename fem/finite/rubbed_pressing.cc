@@ -1,10 +1,16 @@
 #include "fem/finite/rubbed_pressing.h"
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
 
 #include "fem/finite/frictional_pressing.h"
 
 namespace softfinger::fem::finite {
+
+using Eigen::Index;
 
 namespace {
 
@@ -18,15 +24,85 @@ Drive share_of(const Drive& drive, int step, int steps) {
   return {size * size * size * drive.load, size * size * drive.approach};
 }
 
+/// The nodes of a contact in the object's frame.
+Eigen::Matrix3Xd places_of(const FinitePressing& pressing) {
+  const FiniteLayer& layer = pressing.layer();
+  Eigen::Matrix3Xd result(3, static_cast<Index>(layer.nodes().size()));
+  for (Index i = 0; i < result.cols(); ++i)
+    result.col(i) = layer.position(static_cast<std::size_t>(i));
+  result.row(2).array() += pressing.equilibrium().approach;
+  return result;
+}
+
+/// The drag that leads to these places, at the nodes that touch.
+Drag drag_to(const Eigen::Matrix3Xd& places, const FinitePressing& pressing,
+             const FinitePressing& frictionless) {
+  std::vector<Index> touching;
+  for (Index i = 0; i < places.cols(); ++i)
+    if (pressing.equilibrium().force[i] > 0) touching.push_back(i);
+  Drag result;
+  result.node.resize(2, static_cast<Index>(touching.size()));
+  for (Index i = 0; i < result.node.cols(); ++i) {
+    const auto& node =
+        pressing.layer().nodes()[static_cast<std::size_t>(touching[static_cast<std::size_t>(i)])];
+    result.node.col(i) << node.x, node.y;
+  }
+  result.moved = (places - places_of(frictionless))(Eigen::all, touching);
+  result.spacing = node_spacing(pressing.layer().discretisation());
+  return result;
+}
+
+/// A smooth field near values at scattered places of the plane: a linear one and cubes of the
+/// distances from them (Duchon's splines), bent the less the longer `blur` is. Rings of nodes come
+/// to touch early or late in a load step, which scatters what they remember.
+class SmoothField {
+ public:
+  SmoothField(const Eigen::Matrix2Xd& place, const Eigen::Matrix3Xd& value, double blur)
+      : place_(place) {
+    const Index count = place.cols();
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(count + 3, count + 3);
+    for (Index i = 0; i < count; ++i) matrix.col(i) = terms(place.col(i));
+    matrix.rightCols<3>() = matrix.bottomRows<3>().transpose().eval();
+    matrix.bottomRightCorner<3, 3>().setZero();
+    matrix.diagonal().head(count).array() += std::pow(blur, 3);
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count + 3, 3);
+    right.topRows(count) = value.transpose();
+    weight_ = matrix.partialPivLu().solve(right);
+  }
+
+  Eigen::Vector3d operator()(const Eigen::Vector2d& at) const {
+    return weight_.transpose() * terms(at);
+  }
+
+ private:
+  Eigen::VectorXd terms(const Eigen::Vector2d& at) const {
+    Eigen::VectorXd result(place_.cols() + 3);
+    result.head(place_.cols()) =
+        (place_.colwise() - at).colwise().norm().array().cube().transpose();
+    result.tail<3>() << 1, at;
+    return result;
+  }
+
+  Eigen::Matrix2Xd place_;
+  Eigen::MatrixXd weight_;
+};
+
+/// Takes over the state that friction has led to.
+void take_over(FrictionalPressing::State state, double out_of_balance, FiniteLayer& layer,
+               FinitePressing& pressing) {
+  layer.restore(*state.layer);
+  pressing.take_over(state.force, state.approach, out_of_balance);
+}
+
 }  // namespace
 
-RubbedPressing press_rubbing(const std::shared_ptr<FiniteLayer>& layer,
-                             const std::shared_ptr<const RigidObject>& object,
-                             const FrictionBound& bound, const Drive& drive) {
+RubbedPressing press_rubbing(const FinitePressing& frictionless,
+                             const std::shared_ptr<FiniteLayer>& layer, const FrictionBound& bound,
+                             const Drive& drive) {
   const auto unloaded = layer->state();
   const auto first_touched = [&](int of_steps) {
     layer->restore(*unloaded);
-    auto result = std::make_shared<FinitePressing>(layer, object);
+    auto result = std::make_shared<FinitePressing>(layer, frictionless.object());
     result->press(share_of(drive, 1, of_steps));
     return result;
   };
@@ -46,17 +122,49 @@ RubbedPressing press_rubbing(const std::shared_ptr<FiniteLayer>& layer,
   RubbedPressing result;
   result.pressing = first_touched(2 * steps);
   FrictionalPressing::State state;
-  double out_of_balance = 0;
+  Eigen::Matrix3Xd places;
+  double out_of_balance = 0, stick_share = 0;
   {
     FrictionalPressing contact(*result.pressing, bound);
     press_on(contact, 2 * steps);
-    result.stick_share = 1 - contact.slip_fraction();
-    contact.settle_at(2 * contact.places() - coarse);
+    // The extrapolated places are none that a step has made.
+    stick_share = 1 - contact.slip_fraction();
+    places = 2 * contact.places() - coarse;
+    contact.settle_at(places, drive);
     state = contact.present();
     out_of_balance = contact.out_of_balance();
   }
-  layer->restore(*state.layer);
-  result.pressing->take_over(state.force, state.approach, out_of_balance);
+  take_over(std::move(state), out_of_balance, *layer, *result.pressing);
+  result.drag = drag_to(places, *result.pressing, frictionless);
+  result.drag.stick_share = stick_share;
+  return result;
+}
+
+RubbedPressing press_dragged(const FinitePressing& frictionless,
+                             const std::shared_ptr<FiniteLayer>& layer, const FrictionBound& bound,
+                             const Drive& drive, const Drag& drag) {
+  RubbedPressing result;
+  result.drag = drag;
+  result.pressing = std::make_shared<FinitePressing>(layer, frictionless.object());
+  result.pressing->continue_from(frictionless);
+  result.pressing->press(drive);
+  Eigen::Matrix3Xd places = places_of(*result.pressing);
+  constexpr double spacings = 1.5;
+  const SmoothField moved(drag.node, drag.moved, spacings * drag.spacing);
+  const auto& nodes = layer->nodes();
+  for (Index i = 0; i < places.cols(); ++i) {
+    const auto& node = nodes[static_cast<std::size_t>(i)];
+    if (result.pressing->equilibrium().force[i] > 0) places.col(i) += moved({node.x, node.y});
+  }
+  FrictionalPressing::State state;
+  double out_of_balance = 0;
+  {
+    FrictionalPressing contact(*result.pressing, bound);
+    contact.settle_at(places, drive);
+    state = contact.present();
+    out_of_balance = contact.out_of_balance();
+  }
+  take_over(std::move(state), out_of_balance, *layer, *result.pressing);
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 
 #include "fem/finite/finite_pressing.h"
@@ -8,19 +9,37 @@
 /// Pressing with friction from the first touch, on one mesh, at finite strain.
 namespace softfinger::fem::finite {
 
+/// What a contact that was pressed with friction remembers of its way, in a form that another mesh
+/// of the same contact can use: friction drags the surface away from where it would touch without.
+struct Drag {
+  Eigen::Matrix2Xd node;   ///< in the block: the nodes that touch
+  Eigen::Matrix3Xd moved;  ///< each one's place on the object, from the place without friction
+  double spacing = 0;      ///< of the nodes
+  double stick_share = 0;  ///< of the area that touches, in the end
+};
+
 /// A contact that was pressed with friction.
 struct RubbedPressing {
   std::shared_ptr<FinitePressing> pressing;  ///< in that state
-  double stick_share = 0;                    ///< of the area that touches, in the end
+  Drag drag;
 };
 
 /// Presses in load steps with memory: a node that touches keeps its place on the object as long as
 /// it sticks. Such steps are of first order. The places of two numbers of steps, one twice the
 /// other, are extrapolated, and the contact is brought into equilibrium with them: second order.
-/// @param layer  unloaded
+/// @param frictionless  the same contact without friction, on a mesh of the same nodes
+/// @param layer         unloaded
 /// @throws ConvergenceError
-RubbedPressing press_rubbing(const std::shared_ptr<FiniteLayer>& layer,
-                             const std::shared_ptr<const RigidObject>& object,
-                             const FrictionBound& bound, const Drive& drive);
+RubbedPressing press_rubbing(const FinitePressing& frictionless,
+                             const std::shared_ptr<FiniteLayer>& layer, const FrictionBound& bound,
+                             const Drive& drive);
+
+/// Solves the contact as if its way had been that of another mesh: no load steps. The drag is a
+/// smooth field, which the nodes of a coarser mesh tell well.
+/// @param frictionless, layer  as above
+/// @throws ConvergenceError
+RubbedPressing press_dragged(const FinitePressing& frictionless,
+                             const std::shared_ptr<FiniteLayer>& layer, const FrictionBound& bound,
+                             const Drive& drive, const Drag& drag);
 
 }  // namespace softfinger::fem::finite

@@ -120,8 +120,8 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
                        of_wall(&WallChange::indentation);
   result.load = error(&LevelResult::load_N, integral) + of_wall(&WallChange::load);
   if (setting.rubbed) {
-    result.indentation += missed_by_load_steps;
-    result.load += load_per_approach * missed_by_load_steps;
+    result.indentation += table.load_steps;
+    result.load += load_per_approach * table.load_steps;
   }
   result.max_torque =
       error(&LevelResult::max_torque_Nm, table.integral) + of_wall(&WallChange::max_torque);

@@ -120,7 +120,17 @@ class LinearContact : public ContactPhysics {
     Outcome<Pressed, FoldedLayer> pressed = press_on(std::move(model), task_.pressing);
     if (!pressed) return pressed.reason();
     pressed_ = *std::move(pressed);
-    if (std::optional<FoldedLayer> obstacle = check_sensible(pressed_, task_)) return *obstacle;
+    largest_.reset();
+    if (pressed_.largest) {
+      largest_ = pressed_;
+      largest_->contact = *pressed_.largest;
+      largest_->normal_force = largest_->contact.force.cwiseQuotient(largest_->cosine);
+      set_size(*largest_, task_.pressing);
+    }
+    if (std::optional<FoldedLayer> obstacle = check_sensible(widest(), task_)) return *obstacle;
+    if (pressed_.contact.active == 0)
+      throw InputError(task_.problem.name, "time_s", task_.problem.in_time->time_s,
+                       "a time at which the finger touches: the object has left it");
     frictionless_.reset();
     rubbed_.reset();
     if (task_.problem.pressing == PressingFriction::none || pressed_.reaches_rim)
@@ -130,8 +140,8 @@ class LinearContact : public ContactPhysics {
   }
 
   RoughSize size() const override {
-    return {pressed_.moment_a,          pressed_.moment_b,
-            pressed_.contact.approach,  pressed_.reaches_rim,
+    return {widest().moment_a,          widest().moment_b,
+            widest().contact.approach,  widest().reaches_rim,
             pressed_.model->unknowns(), formatted(", iterations %d", pressed_.contact.iterations)};
   }
 
@@ -163,6 +173,13 @@ class LinearContact : public ContactPhysics {
     Measurement measurement;
     measurement.block_a = shape_.block_a;
     measurement.block_b = shape_.block_b;
+    if (largest_) {
+      // The next mesh has to hold what was touched before, too.
+      const double shrunk = std::min(
+          {1.0, pressed_.moment_a / largest_->moment_a, pressed_.moment_b / largest_->moment_b});
+      measurement.block_a /= shrunk;
+      measurement.block_b /= shrunk;
+    }
     measurement.centre = pressed_.centre();
     LevelResult& result = measurement.result;
     result.elements_per_semi_axis = pressed_.model->discretisation().elements_per_semi_axis;
@@ -182,6 +199,8 @@ class LinearContact : public ContactPhysics {
     result.complementarity_residual = pressed_.contact.complementarity_residual;
     if (shares_meshes_)
       result.oversize = oversize(meshes_.made_for[place()], shape_);
+    else if (largest_)
+      result.oversize = measurement.block_a / shape_.block_a;
     else if (is_kept_level())
       meshes_.made_for[place()] = {shape_.block_a, shape_.block_b};
     measurement.residual = std::max(result.load_residual, result.complementarity_residual);
@@ -276,6 +295,9 @@ class LinearContact : public ContactPhysics {
     result.max_torque_Nm = pressed_.copies() * pressed_.moment_of(friction) * unit_of_force_N * h;
   }
 
+  /// Over time, the contact that the mesh has to hold.
+  const Pressed& widest() const { return largest_ ? *largest_ : pressed_; }
+
   const Pressed& frictionless() const { return frictionless_ ? *frictionless_ : pressed_; }
 
   /// Presses the contact once more with friction.
@@ -368,6 +390,7 @@ class LinearContact : public ContactPhysics {
   SurfaceSeries series_;
   TouchedRegion region_;  ///< of friction on the coarse level; empty before it
   Pressed pressed_;
+  std::optional<Pressed> largest_;        ///< over time, on the way there
   std::optional<Pressed> frictionless_;   ///< where `pressed_` is pressed with friction
   std::optional<RubbedPressing> rubbed_;  ///< in the same case
   ContactShape shape_;                    ///< as measured last
@@ -407,6 +430,8 @@ bool is_suitable(const Pressed& pressed, const MeshPair& meshes, const ContactTa
 }
 
 Outcome<Result, Unsolved> solve_on_shared_meshes(const ContactTask& task, ModelCache& models) {
+  // The meshes of another history need not hold what was touched before.
+  if (task.problem.in_time) return Unsolved(MeshesDoNotServe{});
   const LayerIdentity identity = identity_of(task);
   for (const MeshPair& meshes : models.of(identity)) {
     const Outcome<Pressed, FoldedLayer> pressed = press_on(meshes.models.front(), task.pressing);

@@ -55,6 +55,39 @@ void check_load(const Problem& problem) {
                      formatted("\"frictionless\" where the shear law is \"%s\"", law.name()));
 }
 
+void check_times(const Problem& problem) {
+  if (!problem.in_time) return;
+  const PressedInTime& pressed = *problem.in_time;
+  const auto refuse = [&](const char* field, const std::string& value, const char* allowed) {
+    throw InputError(problem.name, field, value, allowed);
+  };
+  if (problem.pressing != PressingFriction::none)
+    refuse("pressing", name_of(problem.pressing), "\"frictionless\" over time");
+  if (problem.friction.any()) refuse("friction", "", "none over time but the largest torque");
+  if (problem.finite_strain) refuse("kinematics", "\"finite\"", "\"linear\" over time");
+  if (!problem.sublayers.empty() || problem.contact.has_object_layer())
+    refuse("layer", "of several", "one layer that relaxes: several have no common modulus");
+  double lost = 0;
+  for (const PressedInTime::Term& term : pressed.terms) {
+    require_positive(problem, term.share, "relaxation share");
+    require_positive(problem, term.time_s, "relaxation time_s");
+    lost += term.share;
+  }
+  if (!(lost < 1)) refuse("relaxation shares", formatted("%.9g in sum", lost), "less than 1");
+  if (pressed.points.empty()) refuse("history", "empty", "a load or an approach over time");
+  for (std::size_t i = 0; i < pressed.points.size(); ++i) {
+    const PressedInTime::Point& point = pressed.points[i];
+    if (!(point.value >= 0) || !std::isfinite(point.value))
+      refuse("history", formatted("%g", point.value), "finite values >= 0");
+    if (!std::isfinite(point.time_s) || (i > 0 && point.time_s < pressed.points[i - 1].time_s))
+      refuse("history time_s", formatted("%g", point.time_s), "finite times that do not fall");
+  }
+  if (!(pressed.time_s >= pressed.points.front().time_s))
+    refuse("time_s", formatted("%g", pressed.time_s), "not before the history begins");
+  if (!(value_at(pressed, pressed.time_s) > 0))
+    refuse("time_s", formatted("%g", pressed.time_s), "a time at which something is pressed");
+}
+
 void check_radii(const Problem& problem) {
   const RelativeRadii& radii = problem.contact.radii;
   require_positive(problem, radii.major_m, "R'");
@@ -153,6 +186,7 @@ void check_problem(const Problem& problem) {
   check_radii(problem);
   check_material(problem, problem.contact.layer, "");
   check_load(problem);
+  check_times(problem);
   check_geometry(problem);
   check_object_layer(problem);
   check_sublayers(problem);

@@ -9,6 +9,7 @@
 
 #include "fem/problem/fingertip.h"
 #include "fem/problem/material_choice.h"
+#include "fem/problem/pressed_in_time.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/input/pressing_friction.h"
 #include "softfinger/input/shear_law.h"
@@ -52,6 +53,8 @@ struct Problem {
   PressingFriction pressing = PressingFriction::none;
   /// Presses by this approach in place of the contact's load, which is then ignored; 0: by load.
   double approach_m = 0;
+  /// Follows this history of a relaxing layer, in N or m. Load or approach above are the last ones.
+  std::optional<PressedInTime> in_time;
   /// Semi-axes to expect along x and y, from an earlier contact or a closed form: they save trial
   /// meshes and decide nothing else. None: guessed.
   std::optional<std::array<double, 2>> size_hint_m;

@@ -193,6 +193,20 @@ json parse_problems(const std::string& text, const std::string& where) {
   }
 }
 
+PressedInTime read_times(const Entry& input) {
+  constexpr std::size_t most_terms = 50, most_points = 1000;
+  PressedInTime pressed;
+  for (const Entry& term : input.at("relaxation").list(0, most_terms))
+    pressed.terms.push_back({term.at("share").positive(), term.at("time_s").positive()});
+  for (const Entry& point : input.at("history").list(1, most_points))
+    pressed.points.push_back(
+        {point.at("time_s").finite(),
+         point.at("value").number(0, std::numeric_limits<double>::max(), "a finite number >= 0")});
+  const auto time_s = input.find("time_s");
+  pressed.time_s = time_s ? time_s->finite() : std::numeric_limits<double>::infinity();
+  return pressed;
+}
+
 Problem read_problem(const json& input, const MeshReaders& readers) {
   Problem problem;
   if (const auto name = Entry(input, "", "problem").find("name")) problem.name = name->text();
@@ -221,6 +235,7 @@ Problem read_problem(const json& input, const MeshReaders& readers) {
   if (const auto approach_m = root.find("approach_m"))
     problem.approach_m = approach_m->number(0, std::numeric_limits<double>::max(),
                                             "a finite number > 0, or 0 to press by load_N");
+  if (const auto times = root.find("in_time")) problem.in_time = read_times(*times);
   if (const auto name = root.find("shear_law")) {
     const std::string typed = name->choice({kShearLawNames.begin(), kShearLawNames.end()});
     problem.shear_law = ShearLaw::Kind(

@@ -120,6 +120,48 @@ TEST(PreslidingElements, MakeNoEnergyInRandomHistories) {
   EXPECT_GT(largest_J, 1e-4) << "of the order of (mu P)²/k";
 }
 
+TEST(PreslidingElements, RelaxAsTheirRubber) {
+  const Relaxation relaxation({{0.2, 0.1}, {0.15, 3}, {0.05, 40}});
+  PreslidingElements elements = pressed(ShiftCurve(1. / 3), TwistCurve(0.5));
+  elements.set_relaxation(relaxation);
+  // So far below the limit that nothing slides but the first of sixteen elements.
+  elements.move(displacement(2e-3, -1e-3, 1e-3));
+  const Eigen::Vector3d at_once = elements.wrench();
+  double time_s = 0;
+  for (const double step_s : {1e-3, 0.05, 0.2, 1., 20., 500.}) {
+    const double before_J = elements.energy_J();
+    elements.relax(step_s);
+    time_s += step_s;
+    // Products of exponentials: round-off.
+    EXPECT_LT((elements.wrench() - relaxation.modulus(time_s) * at_once).norm(),
+              1e-12 * at_once.norm());
+    EXPECT_LT(elements.energy_J(), before_J);
+  }
+}
+
+TEST(PreslidingElements, MakeNoEnergyWhileTheyRelax) {
+  std::mt19937 random(20261130);
+  std::normal_distribution<double> normal(0, 1);
+  for (int history = 0; history < 100; ++history) {
+    PreslidingElements elements = pressed(ShiftCurve(0.4), TwistCurve(0.8, 0.5));
+    elements.set_relaxation(Relaxation({{0.3, 1}, {0.2, 10}}));
+    double given_J = 0;
+    for (int step = 0; step < 200; ++step) {
+      elements.relax(0.1);
+      elements.turn_axes(0.1 * normal(random));
+      const double before_J = elements.energy_J();
+      const Eigen::Vector3d move = displacement(normal(random), normal(random), normal(random));
+      const double work_J =
+          -(elements.wrench() - elements.stiffness().cwiseProduct(move)).dot(move);
+      elements.move(move);
+      // Round-off of energies of some 1e-4 J.
+      EXPECT_LE(elements.energy_J() - before_J, work_J + 1e-15);
+      given_J += work_J;
+      EXPECT_GE(given_J, -1e-15);
+    }
+  }
+}
+
 TEST(PreslidingElements, TurnWithTheAxes) {
   PreslidingElements elements = pressed(ShiftCurve(1. / 3), TwistCurve(0.5));
   elements.move(displacement(0.3, -0.1, 0.2));

@@ -15,9 +15,11 @@
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/frictional_pressing.h"
 #include "fem/finite/full_slip.h"
+#include "fem/finite/rubbed_pressing.h"
 #include "fem/finite/solved_slides.h"
 #include "fem/finite/superposed_friction.h"
 #include "fem/friction/friction_study.h"
+#include "fem/levels/error_model.h"
 #include "fem/program/reference_solver.h"
 #include "meshes/generation/object_surface.h"
 #include "meshes/generation/pad_surface.h"
@@ -690,6 +692,59 @@ TEST_F(SolvedFriction, InfersFullSlipFromSlidesWithLess) {
         finite::relative(superposed.slide(velocity).wrench, force, torque);
     EXPECT_LT((inferred.wrench - exact).norm(), 0.5 * (without - exact).norm());
   }
+}
+
+struct DraggedContact {
+  FinitePressing frictionless;
+  finite::RubbedPressing by_steps;
+};
+
+/// A ball on a layer that sticks but for a ring at the edge.
+DraggedContact dragged_on(const LayerDiscretisation& mesh, const finite::Drive& drive) {
+  constexpr double poisson_ratio = 0.49, friction = 0.3;
+  DraggedContact result{layer_under(sphere(5), mesh, poisson_ratio), {}};
+  result.frictionless.press(drive);
+  result.by_steps = finite::press_rubbing(
+      result.frictionless, layer_under(sphere(5), mesh, poisson_ratio).shared_layer(), friction,
+      drive);
+  return result;
+}
+
+finite::RubbedPressing taken_over(const DraggedContact& on, const LayerDiscretisation& mesh,
+                                  const finite::Drive& drive, const finite::Drag& drag) {
+  return finite::press_dragged(on.frictionless, layer_under(sphere(5), mesh, 0.49).shared_layer(),
+                               0.3, drive, drag);
+}
+
+TEST(Drag, LeadsToTheContactThatItCameFrom) {
+  const LayerDiscretisation mesh = mesh_for(1, 1);
+  for (const finite::Drive& drive : {finite::Drive{1, 0}, finite::Drive{0, 0.15}}) {
+    const DraggedContact dragged = dragged_on(mesh, drive);
+    const finite::Equilibrium& by_steps = dragged.by_steps.pressing->equilibrium();
+    const finite::RubbedPressing again = taken_over(dragged, mesh, drive, dragged.by_steps.drag);
+    const finite::Equilibrium& taken = again.pressing->equilibrium();
+    // The field smooths what the nodes remember: within what is stated for load steps.
+    EXPECT_NEAR(taken.approach / by_steps.approach, 1, finite_strain.load_steps);
+    EXPECT_NEAR(taken.load / by_steps.load, 1, 2 * finite_strain.load_steps);
+    EXPECT_EQ(again.drag.stick_share, dragged.by_steps.drag.stick_share);
+    const double change = by_steps.approach / dragged.frictionless.equilibrium().approach - 1;
+    if (drive.load > 0) {
+      EXPECT_LT(change, -0.02) << "friction has an effect to be taken over";
+    }
+  }
+}
+
+TEST(Drag, OfACoarserMeshServesAFinerOne) {
+  const finite::Drive drive{1, 0};
+  LayerDiscretisation fine = mesh_for(1, 1);
+  fine.elements_per_semi_axis = 6;
+  const DraggedContact coarse = dragged_on(mesh_for(1, 1), drive), finer = dragged_on(fine, drive);
+  const finite::RubbedPressing taken = taken_over(finer, fine, drive, coarse.by_steps.drag);
+  const double by_steps = finer.by_steps.pressing->equilibrium().approach,
+               without = finer.frictionless.equilibrium().approach;
+  // A fiftieth of what friction changes, which four elements along the semi-axis know to a tenth.
+  EXPECT_NEAR(taken.pressing->equilibrium().approach / by_steps, 1,
+              0.02 * std::abs(by_steps / without - 1));
 }
 
 // Superposed motions neglect a small part of a wrench, which coarser cells resolve nearly as well.

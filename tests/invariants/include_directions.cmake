@@ -48,7 +48,7 @@ may_include(analytic/softfinger/calibration ${std} ${eigen} "^unsupported/Eigen/
 may_include(analytic/softfinger/accuracy ${std} ${eigen} ${input}
             "^softfinger/(math|layer|pressure|accuracy)/")
 # What lies below all rooms of the dynamics.
-set(models "^softfinger/(math|geometry|friction|layer|fft|pressure|calibration)/")
+set(models "^softfinger/(math|geometry|friction|layer|fft|pressure|calibration|time)/")
 macro(dynamics_room name)
   set(known ${ARGN})
   list(JOIN known "|" known)

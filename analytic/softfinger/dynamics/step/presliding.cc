@@ -67,9 +67,14 @@ double PreslidingElements::energy_J() const {
   for (const Element& element : elements_) {
     const Eigen::Vector3d shares(element.force_stiffness, element.force_stiffness,
                                  element.torque_stiffness);
+    const Eigen::Vector3d solid = element.wrench - element.fading.rowwise().sum();
     for (int i = 0; i < 3; ++i) {
       const double stiffness = shares[i] * stiffness_[i];
-      if (stiffness > 0) energy_J += element.wrench[i] * element.wrench[i] / (2 * stiffness);
+      if (!(stiffness > 0)) continue;
+      energy_J += solid[i] * solid[i] / (2 * relaxation_.long_time_modulus() * stiffness);
+      for (std::size_t t = 0; t < relaxation_.terms().size(); ++t)
+        energy_J += std::pow(element.fading(i, Eigen::Index(t)), 2) /
+                    (2 * relaxation_.terms()[t].share * stiffness);
     }
   }
   return energy_J;
@@ -82,8 +87,10 @@ void PreslidingElements::set_limits(const StuckStiffness& stuck, double largest_
   largest_force_N_ = largest_force_N;
   largest_torque_Nm_ = largest_torque_Nm;
   for (Element& element : elements_) {
+    Eigen::Array3d softer = Eigen::Array3d::Ones();
     for (int i = 0; i < 3; ++i)
-      if (stiffness[i] < stiffness_[i]) element.wrench[i] *= stiffness[i] / stiffness_[i];
+      if (stiffness[i] < stiffness_[i]) softer[i] = stiffness[i] / stiffness_[i];
+    element.scale(softer);
     return_to_limit(element);
   }
   stiffness_ = stiffness;
@@ -91,33 +98,58 @@ void PreslidingElements::set_limits(const StuckStiffness& stuck, double largest_
 
 void PreslidingElements::turn_axes(double angle_rad) {
   const double cosine = std::cos(angle_rad), sine = std::sin(angle_rad);
+  Eigen::Matrix2d turn;
+  turn << cosine, sine, -sine, cosine;
   for (Element& element : elements_) {
-    const double x = element.wrench.x(), y = element.wrench.y();
-    element.wrench.x() = cosine * x + sine * y;
-    element.wrench.y() = cosine * y - sine * x;
+    element.wrench.head<2>() = (turn * element.wrench.head<2>()).eval();
+    for (auto part : element.fading.colwise()) part.head<2>() = (turn * part.head<2>()).eval();
+  }
+}
+
+void PreslidingElements::set_relaxation(const Relaxation& relaxation) {
+  relaxation_ = relaxation;
+  for (Element& element : elements_)
+    element.fading.setZero(3, Eigen::Index(relaxation.terms().size()));
+}
+
+void PreslidingElements::relax(double time_s) {
+  for (std::size_t i = 0; i < relaxation_.terms().size(); ++i) {
+    const double lost = -std::expm1(-time_s / relaxation_.terms()[i].time_s);
+    for (Element& element : elements_) {
+      auto part = element.fading.col(Eigen::Index(i));
+      element.wrench -= lost * part;
+      part *= 1 - lost;
+    }
   }
 }
 
 void PreslidingElements::move(const Eigen::Vector3d& displacement) {
   for (Element& element : elements_) {
-    element.wrench -= Eigen::Vector3d(element.force_stiffness * stiffness_.x(),
-                                      element.force_stiffness * stiffness_.y(),
-                                      element.torque_stiffness * stiffness_.z())
-                          .cwiseProduct(displacement);
+    const Eigen::Vector3d change = -Eigen::Vector3d(element.force_stiffness * stiffness_.x(),
+                                                    element.force_stiffness * stiffness_.y(),
+                                                    element.torque_stiffness * stiffness_.z())
+                                        .cwiseProduct(displacement);
+    element.wrench += change;
+    for (std::size_t i = 0; i < relaxation_.terms().size(); ++i)
+      element.fading.col(Eigen::Index(i)) += relaxation_.terms()[i].share * change;
     return_to_limit(element);
   }
+}
+
+void PreslidingElements::Element::scale(const Eigen::Array3d& factors) {
+  wrench.array() *= factors;
+  fading.array().colwise() *= factors;
 }
 
 void PreslidingElements::return_to_limit(Element& element) const {
   const double force_N = element.force_limit * largest_force_N_,
                torque_Nm = element.torque_limit * largest_torque_Nm_;
   // An element that has no limit in one of the two does not take part in it.
-  if (!(force_N > 0)) element.wrench.head<2>().setZero();
-  if (!(torque_Nm > 0)) element.wrench.z() = 0;
+  element.scale({double(force_N > 0), double(force_N > 0), double(torque_Nm > 0)});
   const double force = force_N > 0 ? element.wrench.head<2>().norm() / force_N : 0;
   const double torque = torque_Nm > 0 ? element.wrench.z() / torque_Nm : 0;
   const double used = std::hypot(force, torque);
-  if (used > 1) element.wrench /= used;
+  if (used > 1) element.scale(Eigen::Array3d::Constant(1 / used));
 }
 
 }  // namespace softfinger

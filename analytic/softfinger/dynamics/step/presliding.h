@@ -5,6 +5,7 @@
 
 #include "softfinger/friction/partial_slip.h"
 #include "softfinger/layer/stuck_stiffness.h"
+#include "softfinger/time/relaxation.h"
 
 namespace softfinger {
 
@@ -19,6 +20,9 @@ namespace softfinger {
 /// back to it (radial return), which only takes energy out of the springs. So does a falling load:
 /// springs that soften keep their strain, and a part that leaves the contact loses its force. A
 /// part that joins the contact joins unstrained.
+///
+/// The springs of rubber that relaxes are generalised Maxwell solids: of every load that a
+/// displacement brings, the share g_i falls with exp(-t/tau_i).
 class PreslidingElements {
  public:
   /// The curves are replaced by 16 chords, within 0.6 % of the limit.
@@ -40,6 +44,11 @@ class PreslidingElements {
   /// The axes turn about the normal by `angle_rad`, as seen from the bodies.
   void turn_axes(double angle_rad);
 
+  /// Rubber that relaxes from now on.
+  void set_relaxation(const Relaxation& relaxation);
+  /// Time passes in which nothing moves.
+  void relax(double time_s);
+
   /// Body b moves by `displacement` (m, m, rad) along the axes, without sliding.
   void move(const Eigen::Vector3d& displacement);
 
@@ -48,10 +57,14 @@ class PreslidingElements {
     double force_stiffness = 0, torque_stiffness = 0;  ///< shares of the contact's
     double force_limit = 0, torque_limit = 0;          ///< likewise
     Eigen::Vector3d wrench = Eigen::Vector3d::Zero();
+    Eigen::Matrix3Xd fading;  ///< of the wrench: what falls with each term of the relaxation
+
+    void scale(const Eigen::Array3d& factors);
   };
   void return_to_limit(Element& element) const;
 
   std::array<Element, 16> elements_;
+  Relaxation relaxation_;
   Eigen::Vector3d stiffness_ = Eigen::Vector3d::Zero();  ///< stuck: k_x, k_y, k_t
   double largest_force_N_ = 0, largest_torque_Nm_ = 0;
 };
