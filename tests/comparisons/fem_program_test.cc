@@ -55,6 +55,45 @@ class FemProgram : public testing::Test {
   }
 };
 
+/// Rubber that relaxes, loaded, unloaded and loaded again, which no model answers for.
+TEST_F(FemProgram, FollowsALoadOverTime) {
+  const std::string file = write_case();
+  const std::vector<std::string> twice = {
+      file,
+      "--flat",
+      "--set",
+      "layer.relaxation=[{ share = 0.2, time_s = 1 }]",
+      "--set",
+      "contact={ history = [{ time_s = 0, load_N = 1 }, { time_s = 2, load_N = 1 }, { time_s = 2, "
+      "load_N = 0.3 }, { time_s = 6, load_N = 0.3 }], friction_coefficient = 0.5 }"};
+  const auto at = [&](const std::string& time_s) {
+    std::vector<std::string> arguments = twice;
+    arguments.insert(arguments.end(), {"--at-time", time_s});
+    return solve(arguments);
+  };
+  const json first = at("0"), held = at("1.9"), relieved = at("2"), later = at("6");
+  EXPECT_EQ(held["load_N"], 1.0);
+  EXPECT_EQ(relieved["load_N"], 0.3);
+  EXPECT_EQ(held["time_s"], 1.9);
+  EXPECT_EQ(held["kinematics"], "linear");
+  EXPECT_EQ(held["pressing"], "frictionless");
+  EXPECT_EQ(held["history"].size(), 4u);
+  EXPECT_TRUE(held["error_bound"].is_null() || held["error_bound"]["max_torque"].is_null());
+  EXPECT_GT(held["a_m"], first["a_m"]);
+  EXPECT_GT(held["indentation_m"].get<double>(), 1.05 * first["indentation_m"].get<double>());
+  EXPECT_LT(relieved["a_m"], held["a_m"]);
+  EXPECT_LT(later["indentation_m"], relieved["indentation_m"]) << "it recovers";
+  for (const char* option : {"--torsion", "--taxels=4,4", "--output=there", "--limit-surface=4"}) {
+    std::vector<std::string> arguments = twice;
+    arguments.push_back(option);
+    expect_refusal(arguments, std::string(option).substr(0, std::string(option).find('=')));
+  }
+  expect_refusal({file, "--at-time", "3"}, "--at-time");
+  std::vector<std::string> early = twice;
+  early.insert(early.end(), {"--at-time=-1"});
+  expect_refusal(early, "--at-time");
+}
+
 /// Finite elements of the flat layer in linear elasticity, which `layer_fft` solves, too.
 TEST_F(FemProgram, ReadsTheTaxelsThatTheModelReads) {
   const std::string file = write_case();

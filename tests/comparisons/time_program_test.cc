@@ -204,7 +204,7 @@ TEST_F(TimeProgram, ExportsForATime) {
 
 TEST_F(TimeProgram, CommandsThatDoNotKnowTimeRefuseItByName) {
   const std::string creeps = case_with("load_N = 2");
-  for (const char* command : {"fem", "select", "compare"})
+  for (const char* command : {"select", "compare"})
     expect_refusal({command, creeps},
                    std::string("softfinger ") + command + " does not know time yet");
   expect_refusal({"calibrate", "inked_fingertip.csv", creeps},

@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -11,13 +12,15 @@
 #include <string>
 #include <vector>
 
-#include "comparisons/exporting/mujoco/eccentricity_table.h"
-#include "softfinger/input/contact_problem.h"
+#include "comparisons/exporting/mujoco/softfinger_torsion.h"
 
 namespace {
 
-using softfinger::ContactProblem;
-using softfinger::exporting::EccentricityTable;
+static_assert(sizeof(mjtNum) == sizeof(double), "softfinger_torsion takes doubles");
+
+struct Free {
+  void operator()(softfinger_torsion* finger) const { softfinger_torsion_free(finger); }
+};
 
 constexpr const char* kPrefix = "softfinger:";
 
@@ -47,46 +50,17 @@ std::string listed_geom(const mjModel* model, int numeric) {
   return text.compare(0, prefix.size(), prefix) == 0 ? text.substr(prefix.size()) : "";
 }
 
-bool is_positive(double value) { return std::isfinite(value) && value > 0; }
-
-/// @throws std::invalid_argument in words
-ContactProblem read_problem(const std::string& geom, const mjtNum* data, int size) {
-  const std::string where = std::string(kPrefix) + geom;
-  if (size != 5 && size != 8)
-    throw std::invalid_argument(where + ": " + std::to_string(size) +
-                                " numbers: allowed: 5 (R' R'' h E nu) or 8 (and the finger's "
-                                "curvatures xx yy xy)");
-  ContactProblem problem;
-  problem.radii = {data[0], data[1], 0};
-  problem.layer = {data[2], data[3], data[4]};
-  for (int i = 0; i < 4; ++i)
-    if (!is_positive(data[i]))
-      throw std::invalid_argument(where + ": number " + std::to_string(i + 1) +
-                                  ": allowed: R', R'', h in m and E in Pa, all > 0");
-  if (data[0] < data[1]) throw std::invalid_argument(where + ": R' < R'': allowed: R' >= R''");
-  if (!(data[4] >= 0 && data[4] <= 0.5))
-    throw std::invalid_argument(where + ": number 5: allowed: Poisson's ratio, 0 to 0.5");
-  if (size == 8) {
-    for (int i = 5; i < 8; ++i)
-      if (!std::isfinite(data[i]))
-        throw std::invalid_argument(where + ": number " + std::to_string(i + 1) +
-                                    ": allowed: a finite curvature in 1/m");
-    problem.finger_curvature = {data[5], data[6], data[7]};
-  }
-  return problem;
-}
-
 }  // namespace
 
 struct softfinger_mujoco {
   const mjModel* model = nullptr;
-  std::vector<std::unique_ptr<EccentricityTable>> table_of_geom;  ///< null: not listed
+  std::vector<std::unique_ptr<softfinger_torsion, Free>> finger_of_geom;  ///< null: not listed
   std::mutex mutex;  ///< of the list of states, not of what they point to
   std::vector<std::unique_ptr<DataState>> states;
 
-  const EccentricityTable* table(int geom) const {
-    return geom >= 0 && geom < int(table_of_geom.size()) ? table_of_geom[std::size_t(geom)].get()
-                                                         : nullptr;
+  const softfinger_torsion* finger(int geom) const {
+    return geom >= 0 && geom < int(finger_of_geom.size()) ? finger_of_geom[std::size_t(geom)].get()
+                                                          : nullptr;
   }
 
   DataState& state_of(const mjData* data) {
@@ -129,21 +103,6 @@ mjtNum* diagonal_of_AR(const mjModel* model, mjData* data, int row) {
   return nullptr;
 }
 
-/// MuJoCo gives the rows of an elliptic cone R_j = R_1 mu²/friction_j², so that R goes with the
-/// inverse square of the coefficient.
-void set_torsion(const mjModel* model, mjData* data, mjContact& contact, double torsion_m) {
-  torsion_m = std::max(torsion_m, double(mjMINMU));
-  const mjtNum ratio = contact.friction[2] / torsion_m, square = ratio * ratio;
-  contact.friction[2] = torsion_m;
-  const int row = contact.efc_address + 3;
-  const mjtNum before = data->efc_R[row];
-  data->efc_R[row] = std::max(mjtNum(mjMINVAL), before * square);
-  data->efc_D[row] = 1 / data->efc_R[row];
-  data->efc_diagApprox[row] *= square;
-  if (mjtNum* const diagonal = diagonal_of_AR(model, data, row))
-    *diagonal += data->efc_R[row] - before;
-}
-
 /// All installed plugins. A callback of MuJoCo has no argument that says whose it is.
 std::vector<softfinger_mujoco*>& installed() {
   static std::vector<softfinger_mujoco*> plugins;
@@ -164,7 +123,7 @@ softfinger_mujoco* softfinger_mujoco_create(const mjModel* model, char* error, i
   try {
     auto plugin = std::make_unique<softfinger_mujoco>();
     plugin->model = model;
-    plugin->table_of_geom.resize(std::size_t(model->ngeom));
+    plugin->finger_of_geom.resize(std::size_t(model->ngeom));
     bool is_any_listed = false;
     for (int i = 0; i < model->nnumeric; ++i) {
       const std::string geom = listed_geom(model, i);
@@ -174,11 +133,12 @@ softfinger_mujoco* softfinger_mujoco_create(const mjModel* model, char* error, i
       if (model->geom_condim[id] < 4)
         throw std::invalid_argument(kPrefix + geom + ": condim = " +
                                     std::to_string(model->geom_condim[id]) + ": allowed: 4 or 6");
-      auto table = std::make_unique<EccentricityTable>(
-          read_problem(geom, model->numeric_data + model->numeric_adr[i], model->numeric_size[i]));
-      if (!table->has_answer())
-        throw std::invalid_argument(kPrefix + geom + ": fingertip_layer has no answer for it");
-      plugin->table_of_geom[std::size_t(id)] = std::move(table);
+      std::array<char, 200> why{};
+      softfinger_torsion* const finger =
+          softfinger_torsion_create(model->numeric_data + model->numeric_adr[i],
+                                    model->numeric_size[i], why.data(), int(why.size()));
+      if (!finger) throw std::invalid_argument(kPrefix + geom + ": " + why.data());
+      plugin->finger_of_geom[std::size_t(id)].reset(finger);
       is_any_listed = true;
     }
     if (!is_any_listed)
@@ -220,23 +180,20 @@ void softfinger_mujoco_apply(softfinger_mujoco* plugin, const mjModel* model, mj
   for (int i = 0; i < data->ncon; ++i) {
     mjContact& contact = data->contact[i];
     if (contact.efc_address < 0 || contact.dim < 4) continue;
-    const EccentricityTable* const tables[] = {plugin->table(contact.geom1),
-                                               plugin->table(contact.geom2)};
-    if (!tables[0] && !tables[1]) continue;
+    const softfinger_torsion* const first = plugin->finger(contact.geom1);
+    const softfinger_torsion* const second = plugin->finger(contact.geom2);
+    if (!first && !second) continue;
     state.rows.push_back({contact.geom1, contact.geom2, contact.efc_address});
-    for (const PairForce& force : state.forces) {
-      if (force.geom1 != contact.geom1 || force.geom2 != contact.geom2) continue;
-      // Between two fingers the larger counts, as of all of MuJoCo's coefficients.
-      double eccentricity_m = 0;
-      for (const EccentricityTable* table : tables)
-        if (table) eccentricity_m = std::max(eccentricity_m, table->at(force.normal_N));
-      set_torsion(model, data, contact, contact.friction[0] * eccentricity_m);
-      break;
-    }
+    const int row = contact.efc_address + 3;
+    for (const PairForce& force : state.forces)
+      if (force.geom1 == contact.geom1 && force.geom2 == contact.geom2)
+        softfinger_torsion_set(first, second, force.normal_N, contact.friction, data->efc_R + row,
+                               data->efc_D + row, data->efc_diagApprox + row,
+                               diagonal_of_AR(model, data, row));
   }
 }
 
 double softfinger_mujoco_eccentricity_m(const softfinger_mujoco* plugin, int geom, double load_N) {
-  const EccentricityTable* const table = plugin->table(geom);
-  return table ? table->at(load_N) : 0;
+  const softfinger_torsion* const finger = plugin->finger(geom);
+  return finger ? softfinger_torsion_eccentricity_m(finger, load_N) : 0;
 }

@@ -24,7 +24,8 @@
 ///
 /// C functions, for C, C++ and what can call a shared library. The geoms need condim 4 or 6, and
 /// the model cone="elliptic". Without passive forces (flag passive="disable") mjcb_passive is not
-/// called. Made for MuJoCo 2.2, where a step's forces stay readable until the next one is solved.
+/// called. Made for MuJoCo 2.2, where a step's forces stay readable until the next one is solved;
+/// softfinger_torsion.h is for others.
 
 #ifdef __cplusplus
 extern "C" {
