@@ -9,7 +9,7 @@
 /// Pressing with friction from the first touch, on one mesh, at finite strain.
 namespace softfinger::fem::finite {
 
-/// What a contact that was pressed with friction remembers of its way, in a form that another mesh
+/// Memory of a contact that was pressed with friction, in a form that another mesh
 /// of the same contact can use: friction drags the surface away from where it would touch without.
 struct Drag {
   Eigen::Matrix2Xd node;   ///< in the block: the nodes that touch

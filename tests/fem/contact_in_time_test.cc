@@ -54,7 +54,7 @@ TEST(ContactInTime, BeginsAndEndsAsTheElasticContactsOfBothModuli) {
   const double load_N = 3;
   const Result at_once = solve(relaxing({{0, load_N}}, 0), unheard),
                soft = solve(elastic(load_N), unheard);
-  // The same matrices and load: round-off.
+  // Matrices and load are the same: round-off.
   EXPECT_NEAR(at_once.finest.a_m / soft.finest.a_m, 1, 1e-9);
   EXPECT_NEAR(at_once.finest.indentation_m / soft.finest.indentation_m, 1, 1e-9);
   EXPECT_NEAR(at_once.finest.max_torque_Nm / soft.finest.max_torque_Nm, 1, 1e-9);
