@@ -60,7 +60,7 @@ std::string words(MeasuredQuantity quantity) {
     case MeasuredQuantity::area:
       return "the area";
     case MeasuredQuantity::indentation:
-      return "the approach";
+      return "the indentation";
     case MeasuredQuantity::max_torque:
       return "the largest torque";
     case MeasuredQuantity::tangential_force:
@@ -84,7 +84,7 @@ std::string words(Parameter parameter) {
     case Parameter::shear_strength:
       return "the shear strength tau_0";
     case Parameter::zero:
-      return "the zero of the approach";
+      return "the zero of the indentation";
     case Parameter::compliance:
       return "the compliance of machine and mount";
     default:

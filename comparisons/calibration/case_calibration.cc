@@ -230,7 +230,7 @@ void add_forecasts(CaseCalibration& calibration, const prediction::GeometryResol
 std::string exponent_sentence(const ExponentDoubt& doubt) {
   const bool is_low = doubt.measured.value < doubt.least;
   return fmt::format(
-      "above {:.3g} N the force grows as the approach to the power {:.2f} (95 %: {:.2f} to "
+      "above {:.3g} N the force grows as the indentation to the power {:.2f} (95 %: {:.2f} to "
       "{:.2f}), "
       "that of a solid finger to the power {:.2g} or {}",
       doubt.from_load_N, doubt.measured.value, doubt.measured.low, doubt.measured.high,

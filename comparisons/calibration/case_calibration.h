@@ -74,7 +74,7 @@ struct CaseCalibration {
 CaseCalibration calibrate_case(const input::Case& contact_case,
                                const input::MeasurementTable& table, const Request& request);
 
-/// "the force grows as the approach to the power 1.14 (95 %: 1.1 to 1.2) above 0.6 N, where ..."
+/// "the force grows as the indentation to the power 1.14 (95 %: 1.1 to 1.2) above 0.6 N, where ..."
 std::string exponent_sentence(const ExponentDoubt& doubt);
 
 /// A measured quantity over the load as the fit has it, with the band in which chance leaves the

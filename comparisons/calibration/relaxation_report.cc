@@ -44,11 +44,12 @@ std::vector<std::string> cannot_tell(const RelaxationFit& fit,
           term.term.time_s, term.term.time_s / time_factor(term),
           term.term.time_s * time_factor(term), term.term.share, kDeviationsTo95 * term.share_std));
   sentences.push_back(fmt::format(
-      "what is lost within {:.2g} s, the first reading, and while the approach still moved: "
+      "what is lost within {:.2g} s, the first reading, and while the finger still moved: "
       "youngs_modulus_kPa has to be that of this speed",
       first_s));
   sentences.push_back(fmt::format("what is lost after {:.3g} s, the last reading", last_s));
-  sentences.push_back("whether other loads relax by the same shares: that takes a second approach");
+  sentences.push_back(
+      "whether other loads relax by the same shares: that takes a second indentation");
   return sentences;
 }
 

@@ -294,7 +294,7 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
       "--fit", options->fit,
       "what to find, separated by commas: youngs_modulus, thickness, "
       "poisson_ratio, radius, friction_coefficient, shear_strength, zero (of the "
-      "approach, also zero_mm), compliance (of machine and mount, also "
+      "indentation, also zero_mm), compliance (of machine and mount, also "
       "compliance_mm_per_N); default: the first two, and where friction was "
       "measured those of the case's shear law; of position_mm alone E and the zero");
   command->add_option("--hold-out-above", options->hold_out_above,
@@ -316,17 +316,18 @@ void add_calibrate(CLI::App& app, Action& action, const std::string& command_lin
   command->add_flag("--json", options->json, "one JSON object, SI units, on standard output");
   command->footer(
       "DATA begins with a line of column names: load_N, and any of a_mm or a_m, b_mm or b_m\n"
-      "(semi-axes), area_mm2 or area_m2, indentation_mm or indentation_m (approach of the "
+      "(semi-axes), area_mm2 or area_m2, indentation_mm or indentation_m (of the "
       "bodies),\n"
       "max_torque_mNm or max_torque_Nm (about the normal, at slip), tangential_force_N (at slip).\n"
       "In place of indentation_mm there may be position_mm, a machine's reading: its zero is then\n"
-      "fitted, and rows with a load or position of 0 or less are skipped. Where the approach rises "
+      "fitted, and rows with a load or position of 0 or less are skipped. Where the indentation "
+      "rises "
       "and falls\n"
       "again, loading is fitted; backlash and hysteresis are named.\n"
       "Each may have its standard deviation in a column of the same name with _std. Cells may be\n"
       "empty. Values without an error get one from their scatter about the fit. Lines that begin\n"
       "with # are skipped. At most 1000 rows and 1 MiB.\n"
-      "Or time_s and load_N, the force while the approach stands still: shares and times of\n"
+      "Or time_s and load_N, the force while the finger stands still: shares and times of\n"
       "[layer] relaxation are found, at most three, and what the data cannot tell.\n"
       "An interval holds the truth in 95 % of all cases, if the model is right. A parameter is\n"
       "determined where its interval spans less than a factor of two. Areas come from ink prints\n"

@@ -34,7 +34,7 @@ constexpr std::array<Naming, 6> kMeasured{
     {{"a", "a", "mm", 1e3},
      {"b", "b", "mm", 1e3},
      {"area", "area", "mm²", 1e6},
-     {"indentation", "approach d", "mm", 1e3},
+     {"indentation", "indentation d", "mm", 1e3},
      {"max_torque", "largest torque", "mN·m", 1e3},
      {"tangential_force", "tangential force at slip", "N", 1}}};
 

@@ -67,7 +67,7 @@ std::string name_in_words(Parameter parameter) {
     case Parameter::radius_exponent:
       return "gamma";
     case Parameter::zero:
-      return "the zero of the approach";
+      return "the zero of the indentation";
     case Parameter::compliance:
       return "the compliance of machine and mount";
   }
