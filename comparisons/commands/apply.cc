@@ -328,12 +328,13 @@ bool takes_shapes(const ApplyOptions& options) {
   const bool has_layer = !options.shape.layer.empty() || !typed.thickness_mm.empty() ||
                          !typed.youngs_modulus_kPa.empty();
   const bool has_shape = !options.shape.pads.empty() || !options.shape.object_radius_mm.empty() ||
-                         !options.shape.layer.empty();
+                         !options.shape.layer.empty() || !options.shape.cases.empty();
   if (has_geometry && has_shape)
     throw InputError("command line",
-                     !options.shape.layer.empty() ? "--layer"
-                     : options.shape.pads.empty() ? "--object-radius-mm"
-                                                  : "--pad",
+                     !options.shape.layer.empty()   ? "--layer"
+                     : !options.shape.pads.empty()  ? "--pad"
+                     : !options.shape.cases.empty() ? "--write-cases"
+                                                    : "--object-radius-mm",
                      "", "neither CASE nor --radii-mm beside it: the radii are then MODEL's own");
   if (!has_geometry && !has_layer)
     throw InputError("command line", "CASE is missing", "",
@@ -508,11 +509,34 @@ std::string lines_of(const Simulator& simulator, const exporting::SoftContact& c
   return (contact.face ? exporting::box_lines : exporting::point_lines)(simulator, contact).text;
 }
 
+/// Writes a case of each finger's own shape, usable or not: it can be looked at.
+void write_cases(const ApplyOptions& options, const std::vector<FingerContact>& fingers) {
+  if (options.shape.cases.empty()) return;
+  for (const std::string& setting : options.contact.typed_case.settings)
+    if (setting.rfind("contact.", 0) != 0)
+      throw InputError("command line", "--set", setting,
+                       "none but contact's keys beside --write-cases: the case file can be edited");
+  const fs::path folder = options.shape.cases;
+  system::make_writable_folder(folder);
+  Files files;
+  for (const FingerContact& finger : fingers) {
+    const ShapedFinger& shaped = *finger.shaped;
+    const bool is_flat = finger.wanted.contact.face.has_value();
+    const std::string& name = (is_flat ? shaped.pad_case : shaped.contact_case).id;
+    files.emplace_back(folder / (name + ".toml"), case_text(shaped, is_flat, name));
+    if (!is_flat && !shaped.stl.empty()) files.emplace_back(folder / (name + ".stl"), shaped.stl);
+  }
+  system::write_files_together(files);
+  for (const auto& [path, text] : files)
+    if (path.extension() == ".toml") remark("written: " + path.string());
+}
+
 /// Prints the lines to type for a simulator that reads no friction from such a file.
 int print_lines(const ApplyOptions& options, const Simulator& simulator, const XmlFile& file) {
   if (!options.output.empty() || options.in_place) require_reader(file, simulator);
   const std::vector<FingerContact> fingers =
       contacts_of(options, simulator, file, exporting::Mjcf(file));
+  write_cases(options, fingers);
   const bool usable = all_usable(fingers);
   if (options.json) {
     nlohmann::json result = to_json(options, file, simulator, fingers, {}, {});
@@ -585,6 +609,7 @@ int run_apply(const ApplyOptions& options) {
   require_reader(file, simulator);
   const std::vector<FingerContact> fingers =
       contacts_of(options, simulator, file, exporting::Mjcf(file));
+  write_cases(options, fingers);
   std::vector<exporting::RobotContact> wanted;
   for (const FingerContact& finger : fingers) wanted.push_back(finger.wanted);
   const std::vector<std::string> notes = apply_contact(file, options.fingers, simulator, wanted);

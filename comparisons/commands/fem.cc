@@ -129,8 +129,9 @@ void refuse_in_time(const FemOptions& options, const input::Case& typed) {
   options.taxels.refuse("for a case without relaxation and history");
   const auto refuse = [](bool is_given, const char* option) {
     if (is_given)
-      throw InputError("command line", option, "of a case with relaxation or history",
-                       "without it: over time the elements press without friction");
+      throw InputError("command line", option, "with relaxation or history",
+                       "no such option: over time the elements give the contact, its pressure and "
+                       "largest torque");
   };
   refuse(options.torsion, "--torsion");
   refuse(options.limit_surface > 0, "--limit-surface");

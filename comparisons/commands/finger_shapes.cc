@@ -482,6 +482,26 @@ std::string toml_number(double value) {
   return std::isinf(value) ? "inf" : fmt::format("{}", value);
 }
 
+constexpr const char* kMeshName = "NAME.stl";
+
+/// A mesh that is touched where the body says: a direction is that of its farthest vertex.
+std::string mesh_bodies(const TriangleSurface& surface, const input::MeshBody& body,
+                        const std::string& object) {
+  Vector3d point_m = body.near_m.value_or(Vector3d::Zero());
+  std::string normal;
+  if (body.along) {
+    point_m = *std::max_element(surface.vertices_m.begin(), surface.vertices_m.end(),
+                                [&](const Vector3d& one, const Vector3d& other) {
+                                  return body.along->dot(one) < body.along->dot(other);
+                                });
+    normal =
+        fmt::format(", normal = [{}, {}, {}]", body.along->x(), body.along->y(), body.along->z());
+  }
+  return fmt::format(
+      "finger = {{ mesh = \"{}\", unit = \"m\", near_mm = [{}, {}, {}]{} }}\nobject = {{ {} }}\n",
+      kMeshName, 1e3 * point_m.x(), 1e3 * point_m.y(), 1e3 * point_m.z(), normal, object);
+}
+
 }  // namespace
 
 void add_shape_choice(CLI::App& command, ShapeChoice& choice) {
@@ -503,6 +523,12 @@ void add_shape_choice(CLI::App& command, ShapeChoice& choice) {
   command
       .add_option("--object-radius-mm", choice.object_radius_mm,
                   "radius of a round object in mm, > 0; default: a plane")
+      ->group(group);
+  command
+      .add_option(
+          "--write-cases", choice.cases,
+          "folder, made when missing: a case file of each finger's own shape, a mesh beside "
+          "it, for predict, fem, compare, explore and the other commands")
       ->group(group);
   command
       .add_option("--package-path", choice.package_paths,
@@ -633,9 +659,11 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
       shaped->shape_words += fmt::format(" and {} beside it", found.flush.size());
       shaped->point_in_body_m = shape.in_body * shaped->flat->in_shape.translation();
     }
-    if (shaped->flat)
-      shaped->pad_case =
-          read_case("finger = " + pad_toml(shaped->flat->figure) + "\nobject = { flat = true }\n");
+    if (shaped->flat) {
+      shaped->pad_bodies =
+          "finger = " + pad_toml(shaped->flat->figure) + "\nobject = { flat = true }\n";
+      shaped->pad_case = read_case(shaped->pad_bodies);
+    }
     if (shaped->is_surely_flat()) {
       result.push_back(std::move(shaped));
       continue;
@@ -643,9 +671,9 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
     const ShapePad pad = found.pad.value_or(ShapePad());
     const double long_mm = found.pad ? 1e3 * pad.major_radius_m : 10,
                  short_mm = found.pad ? 1e3 * pad.minor_radius_m : 10;
-    input::Case made =
-        read_case(fmt::format("finger = {{ radii_mm = [{}, {}] }}\nobject = {{ {} }}\n",
-                              toml_number(long_mm), toml_number(short_mm), object));
+    shaped->bodies = fmt::format("finger = {{ radii_mm = [{}, {}] }}\nobject = {{ {} }}\n",
+                                 toml_number(long_mm), toml_number(short_mm), object);
+    input::Case made = read_case(shaped->bodies);
     if (const auto* named = std::get_if<NamedMesh>(&shape.kind)) {
       const RobotMeshes::Mesh& mesh = meshes.read(*named);
       const Isometry3d to_shape = shape.in_body.inverse();
@@ -658,12 +686,36 @@ std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
         body.along = Vector3d((to_shape.linear() * *chosen.direction).normalized());
       else
         body.near_m = to_shape * *chosen.point_m;
+      shaped->bodies = mesh_bodies(mesh.surface, body, object);
+      if (!typed.cases.empty()) shaped->stl = robots::robot_stl(mesh.surface);
       std::get<input::BodyPair>(made.geometry).finger = body;
     }
     shaped->contact_case = std::move(made);
     result.push_back(std::move(shaped));
   }
   return result;
+}
+
+std::string case_text(const ShapedFinger& finger, bool is_flat, const std::string& name) {
+  const input::Case& made = is_flat ? finger.pad_case : finger.contact_case;
+  std::string bodies = is_flat ? finger.pad_bodies : finger.bodies;
+  if (const std::size_t at = bodies.find(kMeshName); at != std::string::npos)
+    bodies.replace(at, std::string(kMeshName).size(), name + ".stl");
+  std::string loads;
+  for (const double load_N : made.loads_N)
+    loads += fmt::format("{}{}", loads.empty() ? "" : ", ", load_N);
+  std::string text = fmt::format(
+      "# {}, pad {}: made by softfinger apply\n"
+      "id = \"{}\"\n[geometry]\n{}[layer]\nthickness_mm = {}\nyoungs_modulus_kPa = {}\n"
+      "poisson_ratio = {}\n[contact]\nload_N = [{}]\n",
+      finger.shape_words, finger.pad_words, made.id, bodies, 1e3 * made.layer.thickness_m,
+      1e-3 * made.layer.youngs_modulus_Pa, made.layer.poisson_ratio, loads);
+  if (made.shear_law.has_friction_coefficient())
+    text += fmt::format("friction_coefficient = {}\n", made.shear_law.friction_coefficient);
+  if (made.shear_law.has_shear_strength())
+    text += fmt::format("shear_law = \"{}\"\nshear_strength_kPa = {}\n", made.shear_law.name(),
+                        1e-3 * made.shear_law.shear_strength_Pa);
+  return text;
 }
 
 std::string as_pad(const ShapedFinger& finger, std::string advice) {

@@ -22,6 +22,7 @@ namespace softfinger::commands {
 /// Options in place of a case.
 struct ShapeChoice {
   std::string layer, object_radius_mm;  ///< as typed
+  std::string cases;                    ///< folder for a case of each finger; empty: none
   std::vector<std::string> pads, package_paths;
 };
 
@@ -74,6 +75,9 @@ struct ShapedFinger {
   std::optional<exporting::FlatEnd> flat;
   input::Case pad_case;
   std::size_t flush = 0;  ///< other shapes of the finger that end in the pad's plane
+  /// Bodies of these two cases as a case file names them, a mesh as `NAME.stl` in metres.
+  std::string bodies, pad_bodies;
+  std::string stl;  ///< that mesh, where cases are to be written; empty: no mesh
 
   bool is_surely_flat() const { return pad && pad->is_flat(); }
 };
@@ -83,6 +87,10 @@ struct ShapedFinger {
 std::vector<std::unique_ptr<ShapedFinger>> shaped_fingers(
     const exporting::RobotShapes& shapes, const std::vector<exporting::FingerParts>& fingers,
     const ShapeChoice& typed, const ContactChoice& choice, RobotMeshes& meshes);
+
+/// The finger as a case file, with the name of its mesh in it.
+/// @param is_flat  the case of the flat face
+std::string case_text(const ShapedFinger& finger, bool is_flat, const std::string& name);
 
 /// Advice for a case with a mesh, `finger = { mesh = .., near_mm = [x, y, z] }`, as what is typed
 /// here: `--pad FINGER:x,y,z` in the axes of the finger's body.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "softfinger/input/errors.h"
 
@@ -10,6 +11,8 @@ namespace softfinger::input {
 namespace {
 
 constexpr std::size_t kMostRelaxationTerms = 50, kMostHistoryPoints = 1000;
+/// Thirty thousand years, and a time that no load can follow.
+constexpr double kLongest_s = 1e12, kShortest_s = 1e-9;
 constexpr const char* kRelaxationForms =
     "[{ share = 0.12, time_s = 0.5 }, ..], or { exponent = 0.03, time_s = 0.01, until_s = 1e4 } "
     "for the power law (1 + t/time_s)^-exponent";
@@ -64,9 +67,12 @@ Relaxation read_relaxation(const TomlReader& reader, const toml::table& layer) {
     for (const toml::node& one : list) {
       const toml::table& entry = table_entry(reader, one, "relaxation", kRelaxationForms);
       reader.check_keys(entry, "relaxation", {"share", "time_s"});
-      terms.push_back(
-          {share_of(reader, entry), reader.positive(reader.required(entry, "relaxation", "time_s"),
-                                                    "relaxation.time_s", 1)});
+      const toml::node& typed = reader.required(entry, "relaxation", "time_s");
+      const char* const allowed = "1e-9 to 1e12 s";
+      const double time_s = reader.number(typed, "relaxation.time_s", allowed);
+      if (!(time_s >= kShortest_s && time_s <= kLongest_s))
+        reader.refuse(typed, "relaxation.time_s", allowed);
+      terms.push_back({share_of(reader, entry), time_s});
     }
   }
   Relaxation result;
@@ -93,9 +99,10 @@ void read_history(const TomlReader& reader, const toml::node& node, Case& result
     const toml::node& typed = *entry.get(key);
     const double value = reader.number(typed, field, "a finite number >= 0");
     if (!(value >= 0)) reader.refuse(typed, field, "a finite number >= 0");
-    times.history.push_back({reader.number(reader.required(entry, "history", "time_s"),
-                                           "history.time_s", "a finite number of seconds"),
-                             by_approach ? value * kMillimetre : value});
+    const toml::node& when = reader.required(entry, "history", "time_s");
+    const double time_s = reader.number(when, "history.time_s", "a finite number of seconds");
+    if (!(std::abs(time_s) <= kLongest_s)) reader.refuse(when, "history.time_s", "-1e12 to 1e12 s");
+    times.history.push_back({time_s, by_approach ? value * kMillimetre : value});
   }
   at_line_of(reader, node, [&] { times.of(0); });
   if (!times.are_given()) times.where = reader.where(node);

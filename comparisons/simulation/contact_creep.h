@@ -1,8 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "comparisons/input/scene.h"
 #include "softfinger/time/relaxation.h"
@@ -11,27 +11,24 @@
 namespace softfinger::simulation {
 
 /// The load under which an elastic contact is as large as a relaxing one at the end of a step, for
-/// each load that the step may end with.
+/// each load that the step may end with: straight between points, of both ascending.
 struct EffectiveLoad {
-  double growth = 1;         ///< per load of this step
-  double crept_N = 0;        ///< by the loads before
-  double largest_at_N = 0;   ///< the load under which the contact was largest
-  double largest_ratio = 1;  ///< of effective to true load then; now, if that is more
+  std::vector<double> carried_N, size_N;  ///< load and effective load; none: elastic rubber
+  double growth = 1;  ///< effective over true load beyond the last point, or without one
 
-  double of(double load_N) const {
-    const double growing_N = growth * load_N + crept_N;
-    return load_N >= largest_at_N ? growing_N : std::min(growing_N, largest_ratio * load_N);
-  }
+  double of(double load_N) const;
 };
 
-/// The memory of one contact. While it grows P_eff(t) = E0 int J(t - s) dP(s) (Lee and Radok, J.
-/// Appl. Mech. 27, 1960), exact in linear elasticity: a term c (1 - exp(-x t)) of E0 J is c q with
-/// q' = x (P - q). A step's load is constant. Below its largest load the contact follows Ting's
-/// rule (J. Appl. Mech. 33, 1966) within a few thousandths: the load's share of the largest is the
-/// effective load's share, because what has relaxed does so for all sizes alike.
+/// The memory of one contact. A contact of size P_eff was built up of shells, each as old as the
+/// contact's last growth through its size, and carries
+///   P(t) = int_0^P_eff E(t - t1(p))/E0 dp
+/// (Lee and Radok, J. Appl. Mech. 27, 1960; Ting, J. Appl. Mech. 33, 1966): exact in linear
+/// elasticity for growing contacts, and for one that shrinks for the first time. A shrinking
+/// contact loses its outer shells; if it grows again the new ones are young. What the surface
+/// remembers where it was left is neglected then.
 class ContactCreep {
  public:
-  explicit ContactCreep(const Relaxation& relaxation);
+  explicit ContactCreep(const Relaxation& relaxation) : relaxation_(relaxation) {}
 
   /// For a step of this length.
   EffectiveLoad over(double step_s) const;
@@ -39,9 +36,16 @@ class ContactCreep {
   void hold(double load_N, double step_s);
 
  private:
-  Eigen::ArrayXd rates_per_s_, amounts_;
-  Eigen::ArrayXd lagging_N_;  ///< q
-  double largest_N_ = 0, largest_at_N_ = 0;
+  struct Shell {
+    double width_N = 0;     ///< of the effective load
+    Eigen::ArrayXd unlost;  ///< of each term: exp(-age/tau), the mean of what the shell holds
+  };
+  double modulus(const Eigen::ArrayXd& unlost) const;
+  Eigen::ArrayXd kept_over(double step_s) const;
+  Eigen::ArrayXd of_new_shell(double step_s) const;
+
+  Relaxation relaxation_;
+  std::vector<Shell> shells_;  ///< from the inmost, which is the oldest
 };
 
 /// The relaxation of a contact of two bodies: that of their layer, or of both where they relax

@@ -325,11 +325,15 @@ class UnknownContacts {
     const Prediction prediction = pressure->predict(load_N);
     if (!common_relaxation(scene_.bodies[std::size_t(contact.a)],
                            scene_.bodies[std::size_t(contact.b)]))
-      add(contact, "of two layers that relax differently, taken as if neither did", time_s).load_N =
-          load_N;
+      note(contact, "of two layers that relax differently, taken as if neither did", problem,
+           prediction, load_N, time_s);
     const ErrorBound bound = error_bound(problem, prediction);
-    if (bound.known) return;
-    UnknownContact& unknown = add(contact, bound.outside, time_s);
+    if (!bound.known) note(contact, bound.outside, problem, prediction, load_N, time_s);
+  }
+
+  void note(const Contact& contact, const std::string& why, const ContactProblem& problem,
+            const Prediction& prediction, double load_N, double time_s) {
+    UnknownContact& unknown = add(contact, why, time_s);
     const double thickness_m = problem.layer.thickness_m;
     unknown.load_N = std::max(unknown.load_N, load_N);
     unknown.slope = std::max({unknown.slope, prediction.a_m / problem.radii.major_m,

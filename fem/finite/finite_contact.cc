@@ -95,8 +95,6 @@ class FiniteContact : public ContactPhysics {
                              "largest torque is the same");
     }
     rubbed_->pressing->release_factor();
-    // The torque at full slip is that of the frictionless pressure under the same load.
-    if (task_.pressing.approach > 0) pressing_->press({rubbed_->pressing->equilibrium().load, 0});
     return std::nullopt;
   }
 
@@ -139,9 +137,19 @@ class FiniteContact : public ContactPhysics {
     if (!measured) return measured.reason();
     contact_ = *std::move(measured);
     if (!rubbed_) return measurement_of(*pressing_, contact_);
+    std::optional<LevelResult> compared;
+    if (task_.pressing.approach > 0) {
+      compared = measurement_of(*pressing_, contact_).result;
+      // The torque at full slip is that of the frictionless pressure under the same load.
+      pressing_->press({rubbed_->pressing->equilibrium().load, 0});
+      measured = measure(*pressing_);
+      if (!measured) return measured.reason();
+      contact_ = *std::move(measured);
+    }
     measured = measure(*rubbed_->pressing);
     if (!measured) return measured.reason();
     Measurement measurement = measurement_of(*rubbed_->pressing, *measured);
+    measurement.compared = compared;
     measurement.result.stick_share = rubbed_->drag.stick_share;
     measurement.frictionless = measurement_of(*pressing_, contact_).result;
     return measurement;

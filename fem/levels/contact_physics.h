@@ -45,6 +45,9 @@ struct Measurement {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< of the pressure, across the load, in h
   double residual = 0;  ///< worst of the equilibrium's and the contact's, relative
   std::optional<LevelResult> frictionless;  ///< where `result` is pressed with friction
+  /// Contact as trials and other walls are pressed, where that is another one: without
+  /// friction to the approach that is given, not to the load that friction makes of it.
+  std::optional<LevelResult> compared;
 };
 
 /// The load was not reached on a mesh, which may be far too wide and coarse for it.

@@ -92,9 +92,11 @@ RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse
   const double refinement = refinement_of(coarse, fine), crossed = crossed_cells(fine);
   ErrorConstants integral = table.integral;
   if (setting.rubbed) integral.order = std::min(integral.order, order_of_rubbed_pressing);
+  const double larger = setting.in_time ? std::max(1.0, fine.oversize) : 1;
+  const int elements = std::max(1, static_cast<int>(fine.elements_per_semi_axis / larger));
   const auto error = [&](double LevelResult::*quantity, const ErrorConstants& constants) {
     return stated_error(relative_difference(coarse.*quantity, fine.*quantity), refinement,
-                        constants, crossed, fine.elements_per_semi_axis);
+                        constants, crossed, elements);
   };
   const double edge =
       unresolved_edge(fine, setting.thickness_m, table.unresolved_edge) + fine.fit_ambiguity;

@@ -185,6 +185,9 @@ struct ErrorSetting {
   bool approach_given = false;  ///< by the user, in place of the load
   WallChange wall;              ///< half the difference of a clamped wall, 0 where it is far away
   bool rounded_edges = false;   ///< the object's facets are replaced by a smooth surface
+  /// The meshes were made for the largest contact of a history, and have fewer elements for a
+  /// smaller one.
+  bool in_time = false;
   /// The contact is pressed with friction; Dundurs' coupling of its surface.
   bool rubbed = false;
   double coupling = 0;

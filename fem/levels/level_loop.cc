@@ -213,6 +213,7 @@ class LevelLoop {
     tell(found);
     solved_.results.push_back(result);
     solved_.frictionless = found.frictionless;
+    compared_ = found.compared ? found.compared : found.frictionless;
     solved_.misfit = std::max(solved_.misfit, misfit(mesh_, found.block_a, found.block_b));
     measured_on_ = mesh_;
     fit_to(found.block_a, found.block_b, mesh_);
@@ -243,7 +244,7 @@ class LevelLoop {
 
   /// The last level's answer as trials and other walls are pressed.
   const LevelResult& compared() const {
-    return physics_.rubs_on_levels_only() ? *solved_.frictionless : solved_.fine();
+    return physics_.rubs_on_levels_only() ? *compared_ : solved_.fine();
   }
 
   /// The trial's answer, changed by friction as the finished level was.
@@ -266,6 +267,7 @@ class LevelLoop {
   double room_ = 1;                  ///< of the patch, over that of the usual one
   LayerDiscretisation measured_on_;  ///< mesh of the last level
   std::optional<FrictionPlan> plan_;
+  std::optional<LevelResult> compared_;  ///< of the last level
   SolvedLevels solved_;
 };
 

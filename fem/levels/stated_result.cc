@@ -39,6 +39,7 @@ ErrorSetting error_setting(const SolvedLevels& levels, const ContactTask& task) 
   setting.fitted = levels.fine().fitted;
   setting.approach_given = task.problem.approach_m > 0;
   setting.wall = levels.wall;
+  setting.in_time = task.problem.in_time.has_value();
   setting.rubbed = task.problem.pressing != PressingFriction::none;
   setting.coupling = pressing.coupling();
   setting.rounded_edges =

@@ -231,6 +231,22 @@ TEST(PredictInTime, AfterAStepDownTheContactIsThatOfTheSameSizeOnItsWayUp) {
   EXPECT_NEAR(now.prediction.indentation_m, expected.indentation_m, 1e-6 * expected.indentation_m);
 }
 
+TEST(PredictInTime, FastTermsInASlowUnloadingAreTheElasticContactOfTheSofterRubber) {
+  for (const double time_s : {1e-1, 1e-3, 1e-6, 1e-9}) {
+    const Relaxation fast({{0.3, time_s}});
+    const ContactHistory history(fast, Drive::load, {{0, 0}, {1000, 5}, {4000, 5}, {5000, 2}});
+    const PredictionInTime now = predict_at(model("bonded_layer"), fingertip(), history, 4500);
+    ContactProblem softer = fingertip();
+    softer.load.normal_force_N = 3.5;
+    softer.layer.youngs_modulus_Pa *= fast.long_time_modulus();
+    const Prediction expected = model("bonded_layer").predict(softer);
+    // The load changes by time_s/1000 s within the memory; the nested integrals are known to 1e-6.
+    const double known = time_s / 1000 + 1e-5;
+    EXPECT_NEAR(now.prediction.indentation_m / expected.indentation_m, 1, known) << time_s;
+    EXPECT_NEAR(now.prediction.a_m / expected.a_m, 1, known) << time_s;
+  }
+}
+
 TEST(PredictInTime, RefusesASecondGrowth) {
   const ContactHistory again(silicone(), Drive::load, {{0, 2}, {1, 1}, {2, 3}});
   EXPECT_NO_THROW(again.at(0.9));

@@ -436,6 +436,29 @@ TEST_F(Apply, TakesTheRadiiOfTheFingersOwnShape) {
   expect_radii({"--finger", "rod_tip", "--pad", "+x", "--object-radius-mm", "21"}, 21, 5.25);
 }
 
+TEST_F(Apply, WritesACaseOfEachFingersOwnShape) {
+  folder.write("shapes.xml", kShapes);
+  const ProgramRun run =
+      apply_shapes(start, {"--finger", "ball", "--finger", "egg_tip", "--finger", "brick", "--pad",
+                           "egg_tip:+z", "--pad", "brick:+z", "--write-cases", "cases"});
+  EXPECT_NE(run.err.find("cases/egg_tip.toml"), std::string::npos) << run.err;
+  for (const json& finger : json::parse(run.out)["fingers"]) {
+    const std::string name = "cases/" + finger["finger"].get<std::string>() + ".toml";
+    const ProgramRun predicted = run_softfinger(start, {"predict", name, "--json"});
+    ASSERT_LE(predicted.status, 1) << predicted.err;
+    double torque_Nm = 0;
+    for (const json& result : json::parse(predicted.out)["results"])
+      if (result["model"] == finger["pressure_model"]) torque_Nm = result["max_torque_Nm"];
+    // Numbers are written so that they read back as they are.
+    EXPECT_NEAR(torque_Nm / finger["max_torque_Nm"].get<double>(), 1, 1e-9) << name;
+    EXPECT_EQ(run_softfinger(start, {"explore", name, "-o", "page.html"}).status, 0) << name;
+  }
+  EXPECT_EQ(apply_shapes(start, {"--finger", "ball", "--write-cases", "cases", "--set",
+                                 "layer.thickness_mm=3"})
+                .status,
+            2);
+}
+
 TEST_F(Apply, GivesEachFingerItsOwnNumbersInOneRun) {
   folder.write("shapes.xml", kShapes);
   const ProgramRun run = apply_shapes(
@@ -943,6 +966,15 @@ TEST_F(Apply, TakesTheMeshOfARobot) {
     EXPECT_NEAR(1e3 * finger["relative_radii_m"][0].get<double>(), 8, 0.1) << run.err;
     EXPECT_NEAR(finger["pad_in_body_m"][1].get<double>(), 0.092, 2e-5);
     EXPECT_NEAR(finger["pad_in_body_m"][2].get<double>(), scale[10] == '-' ? -.03 : .03, 2e-4);
+    run_softfinger(start, {"apply", "robot.urdf", "--finger", "tip", "--pad", "-y", "--layer",
+                           "2,300,0.45", "--load", "1", "--friction", "0.8", "--to", "bullet",
+                           "--force", "--write-cases", "cases"});
+    const json predicted = json::parse(
+        run_softfinger(start, {"predict", "cases/tip.toml", "--model", "fingertip_layer", "--json"})
+            .out)["results"][0];
+    // The farthest vertex stands for the side: up to half an edge from the pad that apply found.
+    EXPECT_NEAR(predicted["max_torque_Nm"].get<double>() / finger["max_torque_Nm"].get<double>(), 1,
+                5e-3);
   }
   fs::remove(folder.path() / "meshes/ball.stl");
   const ProgramRun missing =

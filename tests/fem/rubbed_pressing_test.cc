@@ -198,6 +198,28 @@ TEST(RubbedPressing, AtFiniteStrainIsTheSameOnAWholeLayerAndByItsApproach) {
               whole.error.load + quarter.error.indentation);
 }
 
+TEST(RubbedPressing, ToAnApproachOfACurvedFingerIsThatToItsLoad) {
+  // The side wall is near, and is told apart by contacts without friction.
+  Problem problem;
+  problem.contact.layer = {2e-3, 3e5, 0.49};
+  problem.contact.radii = {0.02, 0.012, 0};
+  problem.contact.load = {23, 0.8};
+  problem.fingertip.pad = meshes::paraboloid_pad(0.02, 0.012, 0);
+  problem.fingertip.object = meshes::quadric_object(std::numeric_limits<double>::infinity(),
+                                                    std::numeric_limits<double>::infinity(), 0);
+  problem.finite_strain.emplace();
+  problem.pressing = PressingFriction::coulomb;
+  problem.level = 1;
+  const Result by_load = solve(problem, quiet);
+  problem.approach_m = by_load.finest.indentation_m;
+  const Result by_approach = solve(problem, quiet);
+  EXPECT_NEAR(by_approach.finest.indentation_m / problem.approach_m, 1, 1e-4)
+      << "a given approach is no result";
+  // The load goes with the square of d, whose error the one has and the other does not.
+  EXPECT_NEAR(by_approach.finest.load_N / 23, 1,
+              by_approach.error.load + 2 * by_load.error.indentation);
+}
+
 TEST(RubbedPressing, IsRefusedWhereItIsNotKnown) {
   Problem problem = problem_of(kRubbedReferences[13]);
   EXPECT_NO_THROW(check_problem(problem));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "comparisons/simulation/simulate.h"
 #include "softfinger/accuracy/default_model.h"
@@ -16,70 +17,100 @@ namespace {
 const Relaxation kRubber({{0.12, 0.05}, {0.08, 0.7}});
 
 TEST(ContactCreep, FollowsTheComplianceUnderAConstantLoad) {
-  ContactCreep creep(kRubber);
-  constexpr double load_N = 3, step_s = 0.01;
-  for (int step = 1; step <= 300; ++step) {
-    // Exact: a step's load is constant. What is left is round-off.
-    EXPECT_NEAR(creep.over(step_s).of(load_N), load_N * kRubber.compliance(step * step_s), 1e-12);
-    creep.hold(load_N, step_s);
-  }
-}
-
-TEST(ContactCreep, FollowsARisingLoadToTheFirstOrderOfTheStep) {
-  const ContactHistory ramp(kRubber, ContactHistory::Drive::load, {{0, 0}, {1, 5}, {2, 6}});
-  double last_off_N = 0;
+  constexpr double load_N = 3;
+  double last_off = 0;
   for (const double step_s : {0.02, 0.01, 0.005}) {
     ContactCreep creep(kRubber);
-    double off_N = 0;
-    for (int step = 1; step * step_s <= 2 + 1e-9; ++step) {
-      const double time_s = step * step_s, load_N = ramp.value(time_s);
-      off_N =
-          std::max(off_N, std::abs(creep.over(step_s).of(load_N) - ramp.at(time_s).size) / load_N);
+    double off = 0;
+    for (int step = 1; step * step_s <= 3 + 1e-9; ++step) {
+      const double exact_N = load_N * kRubber.compliance(step * step_s);
+      off = std::max(off, std::abs(creep.over(step_s).of(load_N) / exact_N - 1));
       creep.hold(load_N, step_s);
     }
-    // A step's load is taken for constant: half a step's growth of the part that creeps.
-    EXPECT_LT(off_N, 0.3 * step_s / 0.05);
-    if (last_off_N > 0) {
-      EXPECT_NEAR(last_off_N / off_N, 2, 0.3) << step_s;
+    // The load comes within the first step, not at once: half of what relaxes in a step.
+    EXPECT_LT(off, 0.5 * 0.12 * step_s / 0.05);
+    if (last_off > 0) {
+      EXPECT_NEAR(last_off / off, 2, 0.3) << step_s;
     }
-    last_off_N = off_N;
+    last_off = off;
   }
 }
 
-TEST(ContactCreep, ShrinksUnderAFallingLoadAsTingsRuleSays) {
-  const ContactHistory history(kRubber, ContactHistory::Drive::load,
-                               {{0, 0}, {0.2, 5}, {2, 5}, {3, 0.5}});
+/// Largest difference from the sizes of a history whose contact shrinks at most once.
+double off_history(const std::vector<HistoryPoint>& points, double step_s) {
+  const ContactHistory history(kRubber, ContactHistory::Drive::load, points);
   ContactCreep creep(kRubber);
-  constexpr double step_s = 1e-3;
   double off = 0;
-  for (int step = 1; step < 3000; ++step) {
+  for (int step = 1; step * step_s < points.back().time_s - 1e-9; ++step) {
     const double time_s = step * step_s, load_N = history.value(time_s);
-    const double size_N = creep.over(step_s).of(load_N);
+    off = std::max(off, std::abs(creep.over(step_s).of(load_N) / history.at(time_s).size - 1));
     creep.hold(load_N, step_s);
-    if (time_s > 2) off = std::max(off, std::abs(size_N / history.at(time_s).size - 1));
   }
-  // The integral of a growing contact would be 60 % too large at the end.
-  EXPECT_LT(off, 0.01);
-  EXPECT_GT(off, 1e-4) << "a rule, not the solution";
-  std::printf("effective load under a falling one: %.2g off\n", off);
+  return off;
+}
+
+TEST(ContactCreep, FollowsARisingAndAFallingLoadToTheSecondOrderOfTheStep) {
+  // Rises as Lee and Radok say, falls as Ting says.
+  const std::vector<HistoryPoint> points = {{0, 0}, {0.2, 5}, {2, 6}, {3, 0.5}};
+  const double coarse = off_history(points, 0.02), fine = off_history(points, 0.01);
+  std::printf("effective load: %.2g off with steps of 20 ms, %.2g of 10 ms\n", coarse, fine);
+  EXPECT_LT(fine, 1e-3);
+  // Shells that were merged know their mean age only, which halved steps do not change.
+  EXPECT_LT(fine, 0.7 * coarse);
+}
+
+TEST(ContactCreep, ForgetsAnImpact) {
+  // A hundredfold load for a millisecond: what it made leaves with it.
+  ContactCreep hit(kRubber), set_down(kRubber);
+  constexpr double step_s = 1e-3, load_N = 1;
+  hit.hold(100, step_s);
+  for (int step = 0; step < 3000; ++step) {
+    hit.hold(load_N, step_s);
+    set_down.hold(load_N, step_s);
+  }
+  EXPECT_NEAR(hit.over(step_s).of(load_N) / set_down.over(step_s).of(load_N), 1, 1e-3)
+      << "of a millisecond's relaxation at the time constant of 50 ms, 2 % of 0.12";
+}
+
+TEST(ContactCreep, GrowsAgainWhereItIsHeldAtLess) {
+  ContactCreep creep(kRubber);
+  constexpr double step_s = 5e-3;
+  for (int step = 0; step < 400; ++step) creep.hold(5, step_s);
+  creep.hold(2, step_s);
+  const double relieved_N = creep.over(step_s).of(2);
+  for (int step = 0; step < 4000; ++step) creep.hold(2, step_s);
+  const double long_after_N = creep.over(step_s).of(2);
+  EXPECT_GT(long_after_N, relieved_N);
+  // All has relaxed.
+  EXPECT_NEAR(long_after_N, 2 / kRubber.long_time_modulus(), 1e-6);
+}
+
+TEST(ContactCreep, BeginsAnewWhereItTouchesAgain) {
+  ContactCreep creep(kRubber);
+  for (int step = 0; step < 400; ++step) creep.hold(5, 5e-3);
+  creep.hold(0, 5e-3);
+  // A step's own growth is all there is: at most the relaxation of 5 ms.
+  EXPECT_NEAR(creep.over(5e-3).of(0.01) / 0.01, 1, 0.12 * 5e-3 / 0.05);
 }
 
 TEST(ContactCreep, IsContinuousInTheLoadOfAStep) {
   ContactCreep creep(kRubber);
-  for (const double load_N : {1., 3., 5., 4., 4.5, 2., 5.5, 5.5, 1., 1.}) {
+  std::mt19937 random(3011);
+  std::uniform_real_distribution<double> load(0, 8);
+  for (int round = 0; round < 200; ++round) {
     const EffectiveLoad effective = creep.over(0.1);
     double last_N = 0;
-    for (double trial_N = 0; trial_N < 8; trial_N += 1e-3) {
+    for (double trial_N = 0; trial_N < 8; trial_N += 0.01) {
       const double size_N = effective.of(trial_N);
       EXPECT_GE(size_N, trial_N * (1 - 1e-12)) << "rubber that relaxes is never stiffer";
       // The ratio of both moduli is 1.25. Steeper it would be a jump.
-      if (trial_N > 0) {
-        EXPECT_LT(size_N - last_N, 1.3e-3) << trial_N;
-        EXPECT_GE(size_N, last_N) << trial_N;
-      }
+      EXPECT_LE(size_N - last_N, 0.0125 * (1 + 1e-9)) << trial_N;
+      EXPECT_GE(size_N, last_N) << trial_N;
       last_N = size_N;
     }
-    creep.hold(load_N, 0.1);
+    EXPECT_LE(effective.size_N.size(), 200u) << "memory that grows without end";
+    const double next_N = load(random);
+    for (int step = round % 7; step >= 0; --step) creep.hold(next_N, 0.01);
   }
 }
 
@@ -134,8 +165,10 @@ TEST(ContactCreep, TheEccentricityOfAHeldBallGrowsAsPredicted) {
         default_model(problem), problem,
         ContactHistory::held(kRubber, ContactHistory::Drive::load, contact.normal_force_N),
         frame.time_s);
-    // The solver's residual moves the load by some 1e-10.
-    EXPECT_NEAR(contact.semi_axis_a_m / there.prediction.a_m, 1, 1e-8) << step;
+    // The load comes within the first step, not at once: half of what relaxes in 5 ms, of which a
+    // follows by the cube root.
+    EXPECT_NEAR(contact.semi_axis_a_m / there.prediction.a_m, 1, 0.5 * 0.12 * 5e-3 / 0.05 / 3)
+        << step;
     // The pressure that the history leaves is not quite the elastic one of this size.
     EXPECT_NEAR(contact.eccentricity_m / there.prediction.torque_arm_exact_m, 1, 5e-3) << step;
     std::printf("%.3f s: e_n %.5g mm, of the history %.5g mm\n", frame.time_s,

@@ -313,7 +313,7 @@ Eigen::ArrayXd ContactHistory::relaxed(const Numbers& numbers, double time_s, co
 double ContactHistory::shrinking_approach(const std::function<double(double)>& approach,
                                           double time_s) const {
   // Fewer panels than usual: these integrals are nested.
-  constexpr int kLevels = 16, kOuterLevels = 8;
+  constexpr int kLevels = 16;
   const Numbers numbers = [&](double size) {
     return Eigen::ArrayXd::Constant(1, size > 0 ? approach(size) : 0);
   };
@@ -328,8 +328,10 @@ double ContactHistory::shrinking_approach(const std::function<double(double)>& a
     const double to_s = std::min(segments_[i].end_s, time_s);
     if (!(to_s > from_s)) continue;
     const double scale_s = 1 / rates_per_s_.maxCoeff();
-    const int levels = halvings_to(to_s - from_s, scale_s, kOuterLevels);
-    const std::vector<double> ends = halving_times(from_s, to_s, kOuterLevels, levels);
+    // However short the shortest time is, its whole weight lies near the end.
+    constexpr int kFirst = 8, kMost = 60;
+    const int levels = halvings_to(to_s - from_s, scale_s, kMost);
+    const std::vector<double> ends = halving_times(from_s, to_s, kFirst, levels);
     for (std::size_t k = 0; k + 1 < ends.size(); ++k)
       for (int q = 0; q < kPanelPoints; ++q) {
         const double width_s = ends[k + 1] - ends[k];
