@@ -10,6 +10,7 @@
 
 #include "comparisons/judgement/median.h"
 #include "softfinger/accuracy/error_bound.h"
+#include "softfinger/accuracy/pressing_error.h"
 #include "softfinger/input/errors.h"
 #include "softfinger/pressure/stack_models.h"
 
@@ -224,7 +225,9 @@ std::map<std::string, BoundTest> test_bounds_on_fingers(const AtlasFile& unseen)
     for (const AtlasRun& run : unseen.runs) {
       if (!is_of_the_fit(run)) continue;
       const ContactProblem problem = problem_of(run);
-      const ErrorBound bound = error_bound(*model, problem);
+      const ErrorBound bound = run.kind == AtlasKind::rubbed_finger
+                                   ? error_bound(*model, problem, run.friction_coefficient)
+                                   : error_bound(*model, problem);
       if (!bound.known) continue;
       const QuantityErrors errors = model_errors(*model, run, problem);
       ++test.runs;
