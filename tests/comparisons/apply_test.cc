@@ -442,12 +442,15 @@ TEST_F(Apply, WritesACaseOfEachFingersOwnShape) {
       apply_shapes(start, {"--finger", "ball", "--finger", "egg_tip", "--finger", "brick", "--pad",
                            "egg_tip:+z", "--pad", "brick:+z", "--write-cases", "cases"});
   EXPECT_NE(run.err.find("cases/egg_tip.toml"), std::string::npos) << run.err;
-  for (const json& finger : json::parse(run.out)["fingers"]) {
+  const json report = json::parse(run.out);
+  ASSERT_EQ(report["fingers"].size(), 3u);
+  for (const json& finger : report["fingers"]) {
     const std::string name = "cases/" + finger["finger"].get<std::string>() + ".toml";
     const ProgramRun predicted = run_softfinger(start, {"predict", name, "--json"});
     ASSERT_LE(predicted.status, 1) << predicted.err;
+    const json answers = json::parse(predicted.out);
     double torque_Nm = 0;
-    for (const json& result : json::parse(predicted.out)["results"])
+    for (const json& result : answers["results"])
       if (result["model"] == finger["pressure_model"]) torque_Nm = result["max_torque_Nm"];
     // Numbers are written so that they read back as they are.
     EXPECT_NEAR(torque_Nm / finger["max_torque_Nm"].get<double>(), 1, 1e-9) << name;
