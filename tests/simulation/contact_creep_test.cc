@@ -29,6 +29,7 @@ TEST(ContactCreep, FollowsTheComplianceUnderAConstantLoad) {
     }
     // The load comes within the first step, not at once: half of what relaxes in a step.
     EXPECT_LT(off, 0.5 * 0.12 * step_s / 0.05);
+    // First order; the second one is a step over a time constant, 0.2 to 0.4 at most.
     if (last_off > 0) {
       EXPECT_NEAR(last_off / off, 2, 0.3) << step_s;
     }
@@ -54,6 +55,7 @@ TEST(ContactCreep, FollowsARisingAndAFallingLoadToTheSecondOrderOfTheStep) {
   const std::vector<HistoryPoint> points = {{0, 0}, {0.2, 5}, {2, 6}, {3, 0.5}};
   const double coarse = off_history(points, 0.02), fine = off_history(points, 0.01);
   std::printf("effective load: %.2g off with steps of 20 ms, %.2g of 10 ms\n", coarse, fine);
+  // The square of a step of 10 ms over a rise of 200 ms, of which a tenth creeps.
   EXPECT_LT(fine, 1e-3);
   // Shells that were merged know their mean age only, which halved steps do not change.
   EXPECT_LT(fine, 0.7 * coarse);
