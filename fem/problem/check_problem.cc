@@ -44,6 +44,14 @@ void check_load(const Problem& problem) {
     require_positive(problem, problem.approach_m, "approach_m");
   else
     require_positive(problem, problem.contact.load.normal_force_N, "load_N");
+  // Far below the load of the smallest contact that is meshed, b/h 1e-4.
+  constexpr double least = 1e-20;
+  const ElasticLayer& layer = problem.contact.layer;
+  const double unit_N = layer.youngs_modulus_Pa * layer.thickness_m * layer.thickness_m;
+  if (problem.approach_m == 0 && problem.contact.load.normal_force_N < least * unit_N)
+    throw InputError(
+        problem.name, "load_N", problem.contact.load.normal_force_N,
+        formatted("more: at least %.2g N for finite elements of this layer", least * unit_N));
   const ShearLaw law = problem.friction_law();
   if (law.has_friction_coefficient())
     require_positive(problem, law.friction_coefficient, "friction_coefficient");

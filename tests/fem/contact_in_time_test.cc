@@ -154,6 +154,9 @@ TEST(ContactInTime, RefusesWhatItDoesNotKnow) {
   other.in_time->points.push_back({-1, 2});
   EXPECT_THROW(check_problem(other), InputError) << "times that fall";
   other = problem;
+  other.contact.load.normal_force_N = 1e-299;
+  EXPECT_THROW(check_problem(other), InputError) << "no contact that a mesh has";
+  other = problem;
   other.in_time->time_s = -1;
   EXPECT_THROW(check_problem(other), InputError);
   other = problem;
