@@ -453,7 +453,7 @@ TEST_F(Apply, WritesACaseOfEachFingersOwnShape) {
     for (const json& result : answers["results"])
       if (result["model"] == finger["pressure_model"]) torque_Nm = result["max_torque_Nm"];
     // Numbers are written so that they read back as they are.
-    EXPECT_NEAR(torque_Nm / finger["max_torque_Nm"].get<double>(), 1, 1e-9) << name;
+    EXPECT_NEAR(torque_Nm / finger["max_torque_Nm"].get<double>(), 1, 1e-13) << name;
   }
   EXPECT_EQ(apply_shapes(start, {"--finger", "ball", "--write-cases", "cases", "--set",
                                  "layer.thickness_mm=3"})

@@ -55,17 +55,17 @@ TEST(ContactInTime, BeginsAndEndsAsTheElasticContactsOfBothModuli) {
   const Result at_once = solve(relaxing({{0, load_N}}, 0), unheard),
                soft = solve(elastic(load_N), unheard);
   // Matrices and load are the same: round-off.
-  EXPECT_NEAR(at_once.finest.a_m / soft.finest.a_m, 1, 1e-9);
-  EXPECT_NEAR(at_once.finest.indentation_m / soft.finest.indentation_m, 1, 1e-9);
-  EXPECT_NEAR(at_once.finest.max_torque_Nm / soft.finest.max_torque_Nm, 1, 1e-9);
+  EXPECT_NEAR(at_once.finest.a_m / soft.finest.a_m, 1, 1e-12);
+  EXPECT_NEAR(at_once.finest.indentation_m / soft.finest.indentation_m, 1, 1e-12);
+  EXPECT_NEAR(at_once.finest.max_torque_Nm / soft.finest.max_torque_Nm, 1, 1e-12);
   // The first mesh is guessed from the modulus, unless a size is expected.
   Problem rests = relaxing({{0, load_N}}, forever),
           softer = elastic(load_N, rubber.long_time_modulus());
   rests.size_hint_m = softer.size_hint_m = {soft.finest.a_m, soft.finest.b_m};
   const Result at_rest = solve(rests, unheard), of_rest = solve(softer, unheard);
-  EXPECT_NEAR(at_rest.finest.a_m / of_rest.finest.a_m, 1, 1e-9);
-  EXPECT_NEAR(at_rest.finest.indentation_m / of_rest.finest.indentation_m, 1, 1e-9);
-  EXPECT_NEAR(at_rest.finest.peak_pressure_Pa / of_rest.finest.peak_pressure_Pa, 1, 1e-9);
+  EXPECT_NEAR(at_rest.finest.a_m / of_rest.finest.a_m, 1, 1e-12);
+  EXPECT_NEAR(at_rest.finest.indentation_m / of_rest.finest.indentation_m, 1, 1e-12);
+  EXPECT_NEAR(at_rest.finest.peak_pressure_Pa / of_rest.finest.peak_pressure_Pa, 1, 1e-12);
 }
 
 TEST(ContactInTime, GrowsAsLeeAndRadokSay) {
@@ -130,9 +130,9 @@ TEST(ContactInTime, OfAnApproachThatIsHeldLosesItsLoad) {
   Problem problem = relaxing({{0, approach_m}}, 1.5), at_once = elastic(1);
   problem.approach_m = at_once.approach_m = approach_m;
   const Result held = solve(problem, unheard), pressed = solve(at_once, unheard);
-  EXPECT_NEAR(held.finest.load_N / pressed.finest.load_N, rubber.modulus(1.5), 1e-9)
-      << "the size stays, and all forces fall alike";
-  EXPECT_NEAR(held.finest.a_m / pressed.finest.a_m, 1, 1e-9);
+  EXPECT_NEAR(held.finest.load_N / pressed.finest.load_N, rubber.modulus(1.5), 1e-12)
+      << "the size stays, and all forces fall alike: round-off";
+  EXPECT_NEAR(held.finest.a_m / pressed.finest.a_m, 1, 1e-12);
 }
 
 TEST(ContactInTime, RefusesWhatItDoesNotKnow) {
