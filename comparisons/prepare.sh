@@ -9,7 +9,7 @@ softfinger_packages() { # analytic|fem, run|test
   echo clang lld libc++-14-dev-wasm32 libc++abi-14-dev-wasm32 wasi-libc libclang-rt-14-dev-wasm32
   if [ "$1" = fem ]; then echo libdeal.ii-dev libgmsh-dev libnanoflann-dev libsuitesparse-dev libopenblas-dev libopenmpi-dev; fi
   if [ "$2" = test ]; then
-    echo clang-format libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libsdformat-dev liburdfdom-dev libassimp-dev libbullet-dev
+    echo clang-format libgtest-dev librapidcheck-dev libbenchmark-dev libmujoco-dev libsdformat-dev liburdfdom-dev libassimp-dev libbullet-dev libode-dev libdart-dev
     echo pybind11-dev python3-dev python3-numpy python3-matplotlib python3-pip python3-venv python3-setuptools python3-wheel dpkg-dev doxygen
     if [ "$1" = fem ]; then echo openmpi-bin; fi
     command -v chromium >/dev/null || echo chromium

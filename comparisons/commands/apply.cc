@@ -10,6 +10,7 @@
 #include "comparisons/commands/commands.h"
 #include "comparisons/commands/contact_choice.h"
 #include "comparisons/commands/finger_shapes.h"
+#include "comparisons/exporting/friction_pyramid.h"
 #include "comparisons/exporting/included_files.h"
 #include "comparisons/exporting/pad_contact.h"
 #include "comparisons/exporting/robot_file.h"
@@ -20,6 +21,7 @@
 #include "comparisons/system/files.h"
 #include "comparisons/text/json_text.h"
 #include "comparisons/text/nearest_name.h"
+#include "comparisons/text/percent.h"
 #include "softfinger/input/errors.h"
 
 namespace softfinger::commands {
@@ -384,8 +386,14 @@ FingerContact pad_contact_of(const ApplyOptions& options, const Simulator& simul
   finger.curve = pad_curve(made, pad_case, loads);
   finger.wanted.contact = made.contact;
   const bool has_pressure = simulator.load_exponent > 0;
-  double error = has_pressure ? face.error_of_pressure() : face.error_of_points();
-  const exporting::CornerShape corners = corner_shape(format, shaped.shape, *shaped.flat, face);
+  // Points at corners, at the orientation that is worst for them.
+  const bool in_pyramids = simulator.friction_is_pyramid;
+  const exporting::PyramidTorque torque =
+      in_pyramids ? exporting::corners_in_pyramids(face) : exporting::PyramidTorque();
+  double error =
+      has_pressure ? face.error_of_pressure() : (1 + face.error_of_points()) * torque.most - 1;
+  const exporting::CornerShape corners = corner_shape(
+      format, shaped.shape, *shaped.flat, in_pyramids ? exporting::face_in_pyramids(face) : face);
   if (options.shrink_pads) {
     if (has_pressure || corners.kind.empty() || parts != 1)
       throw InputError(shaped.shape.element->where(),
@@ -396,15 +404,16 @@ FingerContact pad_contact_of(const ApplyOptions& options, const Simulator& simul
                            ? "a --finger that is one box or cylinder"
                            : "a box or a cylinder; here it is another shape, " + corners.words);
     finger.wanted.corner_size = {corners.kind, corners.name, corners.value};
-    error = 0;
+    error = torque.worst_error();
   }
   // Joined shapes have corners within the pad, too.
-  const char* const up_to = shaped.flat->is_joined ? "up to " : "";
+  const char* const up_to = shaped.flat->is_joined || in_pyramids ? "up to " : "";
   finger.torque_errors.assign(finger.curve.points.size(), error);
   finger.force_errors.assign(finger.curve.points.size(), 0);
   finger.wanted.torque_error =
       options.shrink_pads
-          ? "the torque is exact"
+          ? in_pyramids ? fmt::format("the torque is within ±{}", text::percent(error))
+                        : std::string("the torque is exact")
           : fmt::format("{}{:+.0f} % of the torque, by {}", up_to, 100 * error,
                         has_pressure ? "the uniform pressure" : "the forces at its corners");
   finger.wanted.force_error = range_of(finger.force_errors, finger.curve, "force");
@@ -420,9 +429,11 @@ FingerContact pad_contact_of(const ApplyOptions& options, const Simulator& simul
   if (!has_pressure && !options.shrink_pads)
     remark(
         fmt::format("{}: flat: contact points at its own corners have {}{:.0f} % too much torque; "
-                    "exact is {}{}",
-                    text::shortened(shaped.name), up_to, 100 * error, corners.words,
-                    corners.kind.empty() ? "" : " (--shrink-pads)"));
+                    "{} {}{}",
+                    text::shortened(shaped.name), up_to, 100 * error,
+                    in_pyramids ? "within ±" + text::percent(torque.worst_error()) + " is"
+                                : std::string("exact is"),
+                    corners.words, corners.kind.empty() ? "" : " (--shrink-pads)"));
   return finger;
 }
 

@@ -255,7 +255,7 @@ void add_export(CLI::App& app, Action& action) {
       ->add_option(
           "--to", options->to,
           "mujoco, bullet, gazebo (Classic, with ODE), gz-sim, drake (hydroelastic), genesis, "
-          "isaac (Isaac Lab), newton, physx, sapien (also ManiSkill) or usd")
+          "isaac (Isaac Lab), newton, ode, physx, sapien (also ManiSkill) or usd")
       ->required();
   add_contact_choice(*command, options->contact);
   command->add_option("--at-time", options->contact.at_time,

@@ -67,6 +67,7 @@ struct Simulator {
   std::string_view stiffness_place;
   CommentMarks comment = kPythonComment;
   std::string_view other_name = "";  ///< a second name that the command line takes
+  bool friction_is_pyramid = false;  ///< of several contact points: see friction_pyramid.h
   bool has_torque = true;            ///< false: the simulator has no torsional friction at all
 };
 

@@ -1049,7 +1049,7 @@ TEST_F(Program, RefusesWhatItCannotSelect) {
 TEST_F(Program, ExportsToEachSimulator) {
   const auto file = folder.write("case.toml", case_text("example", "[1.0, 2.0, 5.0]"));
   for (const std::string simulator : {"mujoco", "bullet", "drake", "gazebo", "genesis", "isaac",
-                                      "newton", "physx", "sapien", "usd"}) {
+                                      "newton", "ode", "physx", "sapien", "usd"}) {
     const ProgramRun result = run({"export", file.string(), "--to", simulator, "--json"});
     ASSERT_EQ(result.status, 0) << result.err;
     const json object = json::parse(result.out);

@@ -2,11 +2,13 @@
 
 #include <cmath>
 
+#include "comparisons/exporting/friction_pyramid.h"
 #include "comparisons/exporting/simulator.h"
 
 /// Gazebo Sim (gz-sim) with the plugins of gz-physics, whose SDFFeatures read of
 /// <surface><friction>:
-/// - dartsim, the default: <ode> mu, mu2, slip and fdir1. DART has no torsional friction.
+/// - dartsim, the default: <ode> mu, mu2, slip and fdir1. DART has no torsional friction; its
+///   sliding friction is a pyramid.
 /// - bullet-featherstone: <bullet> friction, friction2 and rolling_friction; <torsional>
 ///   <coefficient> becomes Bullet's spinning friction, a length. A collision that states none has
 ///   1 m, hundreds of times a fingertip's. Bullet's rule for pairs is that of bullet.cc. The plugin
@@ -37,35 +39,47 @@ std::string surface(const SoftContact& contact, double torque_per_load_m) {
 }
 
 Lines lines(const SoftContact& contact) {
+  const PyramidTorque torque = three_points_in_pyramids();
+  const double radius_m = contact.eccentricity_m / torque.middle();
   return {
       fmt::format(
           "<!-- {origin}. torsional coefficient: m, largest torque / load = mu e_n, in "
           "bullet-featherstone alone. With dartsim, the default, and with mujoco a point has no "
-          "torque; what can be done there: three small spheres at the distance e_n = {e:.6g} m "
-          "from the contact's centre, in place of one; sharing the load they slip at mu e_n P -->\n"
+          "torque; what can be done there: three small spheres in place of one, at the distance "
+          "{radius:.6g} m from the contact's centre: sharing the load their friction has the "
+          "torque mu e_n P, e_n = {e:.6g} m, within {worst:.3g} % whatever the directions of "
+          "DART's friction pyramid -->\n"
           "{surface}",
           fmt::arg("origin", contact.origin), fmt::arg("e", contact.eccentricity_m),
+          fmt::arg("radius", radius_m), fmt::arg("worst", 100 * torque.worst_error()),
           fmt::arg("surface", surface(contact, contact.torque_per_load_m()))),
       {{"sliding_friction", contact.friction_coefficient},
        {"bullet_sliding_friction", std::sqrt(contact.friction_coefficient)},
        {"bullet_spinning_friction_m", contact.torque_per_load_m()},
        {"bullet_object_sliding_friction", 1.0},
        {"bullet_object_spinning_friction_m", 0.0},
-       {"three_points_radius_m", contact.eccentricity_m}}};
+       {"three_points_radius_m", radius_m}}};
 }
 
 Lines box_lines(const SoftContact& contact) {
-  const auto [x_m, y_m] = contact.face->corner_box_m();
+  const auto [x_m, y_m] = face_in_pyramids(*contact.face).corner_box_m();
+  const auto [cone_x_m, cone_y_m] = contact.face->corner_box_m();
   return {
-      fmt::format("<!-- {origin}. A box in place of the pad's face, its corners at e_n = {e:.6g} m "
-                  "from the middle: they slip together at mu e_n P -->\n"
+      fmt::format("<!-- {origin}. A box in place of the pad's face: friction at its corners has "
+                  "the torque mu e_n P, e_n = {e:.6g} m, within {worst:.3g} % whatever the "
+                  "directions of DART's friction pyramid. Bullet's friction is a cone: with "
+                  "bullet-featherstone the size is {cone_x:.6g} {cone_y:.6g} {z:.6g} -->\n"
                   "<geometry><box><size>{x:.6g} {y:.6g} {z:.6g}</size></box></geometry>\n{surface}",
                   fmt::arg("origin", contact.origin), fmt::arg("e", contact.face->eccentricity_m),
+                  fmt::arg("worst", 100 * corners_in_pyramids(*contact.face).worst_error()),
+                  fmt::arg("cone_x", 2 * cone_x_m), fmt::arg("cone_y", 2 * cone_y_m),
                   fmt::arg("surface", surface(contact, 0)), fmt::arg("x", 2 * x_m),
                   fmt::arg("y", 2 * y_m), fmt::arg("z", contact.face->thickness_m)),
       {{"sliding_friction", contact.friction_coefficient},
        {"box_half_length_x_m", x_m},
-       {"box_half_length_y_m", y_m}}};
+       {"box_half_length_y_m", y_m},
+       {"bullet_box_half_length_x_m", cone_x_m},
+       {"bullet_box_half_length_y_m", cone_y_m}}};
 }
 
 }  // namespace
@@ -74,7 +88,8 @@ Simulator gz_sim_simulator() {
   Simulator simulator = {
       "gz-sim",
       "Gazebo Sim",
-      "dartsim (the default) and mujoco: |f| <= mu P, no torque about the normal; "
+      "dartsim (the default): |f_x|, |f_y| <= mu P, no torque about the normal; mujoco: |f| <= P, "
+      "none either; "
       "bullet-featherstone: apart from |f|, |torque| <= mu e_n P",
       0,
       0,
@@ -82,6 +97,8 @@ Simulator gz_sim_simulator() {
       box_lines,
       {"dartsim (the default) reads <ode> mu, mu2, slip and fdir1 and ignores <torsional>, "
        "<bullet>, kp and kd",
+       "dartsim's friction is a pyramid along two directions that DART chooses: up to 1.41 mu P "
+       "between them, and three points at a distance r slip at 1.08 to 1.12 mu r P",
        "bullet-featherstone takes <torsional><coefficient> as a length, 1 m where none is stated: "
        "an object that states none holds any torque; it ignores <ode> and patch_radius, and has "
        "one "
@@ -97,10 +114,11 @@ Simulator gz_sim_simulator() {
        "Gazebo Classic is --to gazebo"},
       "gz-physics 10.0.0-pre1 (dartsim/src/SDFFeatures.cc, SimulationFeatures.cc; "
       "bullet-featherstone/src/SDFFeatures.cc, since 7.1.0; mujoco/src/SDFFeatures.cc); "
-      "bullet-featherstone's numbers were measured in Bullet 3.24",
+      "bullet-featherstone's numbers were measured in Bullet 3.24, dartsim's in DART 6.12",
       "The plugins read none from SDF: dartsim ignores kp and kd, bullet-featherstone sets its own "
       "for meshes, mujoco keeps MuJoCo's defaults.",
       kXmlComment};
+  simulator.friction_is_pyramid = true;
   simulator.has_torque = false;
   return simulator;
 }
