@@ -143,11 +143,9 @@ std::string in_words(const TaxelAnswer& answer) {
       "  taxels, {} x {} of {:.3g} mm, {}: {:.4g} N of {:.4g} N by {}, at most {:.3g} kPa",
       grid.columns, grid.rows, 1e3 * grid.pitch_m, where, readings.force_N.sum(), answer.load_N,
       answer.model, 1e-3 * readings.pressure_Pa().maxCoeff());
-  if (readings.depth_m > 0)
-    text += fmt::format(
-        ", shear at most {:.3g} kPa",
-        1e-3 * (readings.shear_x_N.square() + readings.shear_y_N.square()).sqrt().maxCoeff() /
-            area_m2);
+  const double shear_N =
+      (readings.shear_x_N.square() + readings.shear_y_N.square()).sqrt().maxCoeff();
+  if (shear_N > 0) text += fmt::format(", shear at most {:.3g} kPa", 1e-3 * shear_N / area_m2);
   text += "\n";
   // Less than this is rounding.
   constexpr double kBeside = 1e-9;

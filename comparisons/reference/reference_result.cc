@@ -166,14 +166,17 @@ std::optional<std::vector<NodalForce>> read_forces(const json& document) {
     return result;
   };
   const std::vector<double> x_m = numbers("x_m"), y_m = numbers("y_m"),
-                            force_N = numbers("force_N"), area_m2 = numbers("area_m2");
+                            force_N = numbers("force_N"), area_m2 = numbers("area_m2"),
+                            friction_x_N = numbers("friction_x_N"),
+                            friction_y_N = numbers("friction_y_N");
   if (x_m.empty() || y_m.size() != x_m.size() || force_N.size() != x_m.size() ||
-      area_m2.size() != x_m.size())
+      area_m2.size() != x_m.size() || friction_x_N.size() != x_m.size() ||
+      friction_y_N.size() != x_m.size())
     throw Flaw{"nodal forces of unequal number"};
   std::vector<NodalForce> forces;
   for (std::size_t i = 0; i < x_m.size(); ++i) {
     if (!(force_N[i] > 0 && area_m2[i] > 0)) throw Flaw{"a nodal force that pulls"};
-    forces.push_back({x_m[i], y_m[i], force_N[i], area_m2[i]});
+    forces.push_back({x_m[i], y_m[i], force_N[i], area_m2[i], friction_x_N[i], friction_y_N[i]});
   }
   return forces;
 }

@@ -48,7 +48,8 @@ struct TwistedContact {
 /// axis.
 struct NodalForce {
   double x_m, y_m, force_N;
-  double area_m2;  ///< the node's share of the surface
+  double area_m2;                     ///< the node's share of the surface
+  double friction_x_N, friction_y_N;  ///< on the layer, while it is pressed
 };
 
 /// Numbers of the contact when it is pressed without friction.

@@ -13,7 +13,8 @@ prediction::TaxelAnswer read_taxels(const ReferenceResult& result, const LayerSt
   double half_x_m = 0, half_y_m = 0;
   for (const NodalForce& node : *result.forces) {
     const double half_m = 0.5 * std::sqrt(node.area_m2);
-    forces.push_back({node.x_m, node.y_m, half_m, half_m, node.force_N});
+    forces.push_back(
+        {node.x_m, node.y_m, half_m, half_m, node.force_N, node.friction_x_N, node.friction_y_N});
     half_x_m = std::max(half_x_m, std::abs(node.x_m) + half_m);
     half_y_m = std::max(half_y_m, std::abs(node.y_m) + half_m);
   }

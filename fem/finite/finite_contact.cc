@@ -187,11 +187,13 @@ class FiniteContact : public ContactPhysics {
     const auto& nodes = pressing_->layer().nodes();
     std::vector<PressurePoint> result;
     for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const Equilibrium& found = as_pressed().equilibrium();
+      const auto node = static_cast<Eigen::Index>(i);
       const Eigen::Vector2d at =
           as_pressed().layer().position(i).head<2>() + task_.pressing.bent.centre;
-      result.push_back(
-          {nodes[i].x, nodes[i].y, at.x(), at.y(), pressure[static_cast<Eigen::Index>(i)], at,
-           as_pressed().equilibrium().force[static_cast<Eigen::Index>(i)], seen_area(nodes[i])});
+      result.push_back({nodes[i].x, nodes[i].y, at.x(), at.y(), pressure[node], at,
+                        found.force[node], seen_area(nodes[i])});
+      if (found.friction.size() > 0) result.back().friction = found.friction.col(node);
     }
     return result;
   }

@@ -258,15 +258,17 @@ void FinitePressing::take_over(const Eigen::Matrix3Xd& force, double approach,
   equilibrium_.approach = approach;
   equilibrium_.out_of_balance = out_of_balance;
   equilibrium_.active = 0;
+  equilibrium_.friction.setZero(2, force.cols());
   for (std::size_t i = 0; i < touching.size(); ++i) {
     const auto of_node = force.col(static_cast<Index>(i));
     const bool touches = of_node.z() > 0;
     equilibrium_.active += touches;
     // Friction on an inclined surface bears a part of the load, or adds to it.
-    const double friction =
-        surface_frame(touching[i].normal).row(2).head<2>().dot(of_node.head<2>());
+    const Eigen::Vector3d friction =
+        surface_frame(touching[i].normal).leftCols<2>() * of_node.head<2>();
     equilibrium_.force[static_cast<Index>(i)] =
-        touches ? of_node.z() / touching[i].secant - friction : 0;
+        touches ? of_node.z() / touching[i].secant - friction.z() : 0;
+    if (touches) equilibrium_.friction.col(static_cast<Index>(i)) = friction.head<2>();
   }
   describe(equilibrium_);
   equilibrium_.normal_force = force.row(2).transpose();

@@ -28,6 +28,8 @@ struct Drive {
 struct Equilibrium {
   Eigen::VectorXd force;         ///< of each surface node, its component along the load
   Eigen::VectorXd normal_force;  ///< along the object's normal: its magnitude
+  /// Friction on the layer while it is pressed, seen along the load; empty: none.
+  Eigen::Matrix2Xd friction;
   double approach = 0;
   double load = 0;    ///< of the whole contact
   double energy = 0;  ///< strain energy of the whole layer

@@ -76,6 +76,8 @@ struct PressurePoint {
   /// its share of the area, in h².
   Eigen::Vector2d place = Eigen::Vector2d::Zero();
   double force = 0, area = 0;
+  /// Friction on the layer while it is pressed, seen along the load, in units of E h².
+  Eigen::Vector2d friction = Eigen::Vector2d::Zero();
 };
 
 /// Files that were written; empty where none was asked for.

@@ -86,6 +86,11 @@ NodalForces forces_of(const std::vector<PressurePoint>& nodes, const Result& res
         forces.x_m.push_back(h * at.x());
         forces.y_m.push_back(h * at.y());
         forces.force_N.push_back(unit_of_force_N * node.force);
+        const Eigen::Vector2d friction =
+            unit_of_force_N *
+            (to_axes * Eigen::Vector2d(x_sign * node.friction.x(), y_sign * node.friction.y()));
+        forces.friction_x_N.push_back(friction.x());
+        forces.friction_y_N.push_back(friction.y());
         forces.area_m2.push_back(h * h * node.area);
       }
   }

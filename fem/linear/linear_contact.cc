@@ -225,11 +225,13 @@ class LinearContact : public ContactPhysics {
   std::vector<PressurePoint> pressures() const override {
     const auto& nodes = pressed_.model->nodes();
     std::vector<PressurePoint> result;
-    for (std::size_t i = 0; i < nodes.size(); ++i)
-      result.push_back({nodes[i].x, nodes[i].y, nodes[i].x, nodes[i].y,
-                        pressed_.pressure(static_cast<Eigen::Index>(i)),
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      const auto at = static_cast<Eigen::Index>(i);
+      result.push_back({nodes[i].x, nodes[i].y, nodes[i].x, nodes[i].y, pressed_.pressure(at),
                         nodes[i].position.head<2>() + task_.pressing.bent.centre,
-                        pressed_.contact.force[static_cast<Eigen::Index>(i)], seen_area(nodes[i])});
+                        pressed_.contact.force[at], seen_area(nodes[i])});
+      if (rubbed_) result.back().friction = rubbed_->state.tangential.segment<2>(2 * at);
+    }
     return result;
   }
 

@@ -103,6 +103,7 @@ struct LimitPoint {
 /// the load, from the contact's centre, x along its long axis. They add up to the load.
 struct NodalForces {
   std::vector<double> x_m, y_m, force_N;
+  std::vector<double> friction_x_N, friction_y_N;  ///< on the layer, while it is pressed
   std::vector<double> area_m2;  ///< share of the surface before it is deformed, seen along the load
 };
 

@@ -171,6 +171,8 @@ json to_json(const Problem& problem, const Result& result) {
     output["nodal_forces"] = {{"x_m", forces->x_m},
                               {"y_m", forces->y_m},
                               {"force_N", forces->force_N},
+                              {"friction_x_N", forces->friction_x_N},
+                              {"friction_y_N", forces->friction_y_N},
                               {"area_m2", forces->area_m2}};
   if (outlines.size() > 1) output["outlines_m"] = std::move(outlines);
   add_friction(problem, result, output);

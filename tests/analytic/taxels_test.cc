@@ -35,7 +35,13 @@ ModelReadings read(const char* name, const ContactProblem& problem, int columns,
 /// Stresses at depth by integrating the equations of plane strain through the thickness, which
 /// share nothing with the closed form: state (u, w, shear, normal) of waves sin x, cos x, sin x,
 /// cos x, z downwards in units of 1/k, 2 G = 1.
-LayerStress::Wave integrated_stress(double nu, double thickness, double depth) {
+struct IntegratedStress {
+  double normal = 0, shear = 0;  ///< on what lies deeper; compression positive
+  double surface = 0;            ///< the surface's displacement into the layer
+};
+/// @param pressure, shear  on the surface
+IntegratedStress integrated_stress(double nu, double thickness, double depth, double pressure,
+                                   double shear) {
   const double lame = nu / (1 - 2 * nu), confined = lame + 1;
   Eigen::Matrix4d slope;
   slope << 0, 1, 2, 0,                                           //
@@ -52,11 +58,11 @@ LayerStress::Wave integrated_stress(double nu, double thickness, double depth) {
     return all;
   };
   const Eigen::Matrix4d through = propagator(thickness);
-  Eigen::Vector4d surface(0, 0, 0, -1);
+  Eigen::Vector4d surface(0, 0, -shear, -pressure);
   surface.head<2>() = -through.topLeftCorner<2, 2>().inverse() * (through * surface).head<2>();
   const Eigen::Vector4d there = propagator(depth) * surface;
   // On what lies deeper acts minus the shear stress, whose normal points into it.
-  return {-there[3], -there[2]};
+  return {-there[3], -there[2], surface[1]};
 }
 
 TEST(LayerStress, EqualsTheEquationsIntegratedThroughTheThickness) {
@@ -64,11 +70,39 @@ TEST(LayerStress, EqualsTheEquationsIntegratedThroughTheThickness) {
     for (const double x : {0.1, 0.5, 1., 3., 6.})
       for (const double depth : {0.1, 0.5, 1.}) {
         const LayerStress::Wave stress = LayerStress(nu, depth).stress(x);
-        const LayerStress::Wave expected = integrated_stress(nu, x, depth * x);
+        const IntegratedStress expected = integrated_stress(nu, x, depth * x, 1, 0);
         // Runge-Kutta's error, (6/2000)^4, grows by exp(6) on its way to the base.
         EXPECT_NEAR(stress.normal, expected.normal, 1e-7) << nu << " " << x << " " << depth;
         EXPECT_NEAR(stress.shear, expected.shear, 1e-7) << nu << " " << x << " " << depth;
       }
+}
+
+/// Waves of the whole layer.
+LayerStress::ShearWave shear_stress(const LayerStress& stress, double x, double depth) {
+  const double y = x * depth, decay = std::exp(-y);
+  LayerStress::ShearWave wave = stress.shear_excess(x);
+  wave.normal += y * decay;
+  wave.along += (1 - y) * decay;
+  wave.across += decay;
+  return wave;
+}
+
+TEST(LayerStress, OfShearEqualsTheEquationsIntegratedThroughTheThickness) {
+  for (const double nu : {0., 0.3, 0.49})
+    for (const double x : {0.1, 0.5, 1., 3., 6.})
+      for (const double depth : {0.1, 0.5, 1.}) {
+        const LayerStress layer(nu, depth);
+        const LayerStress::ShearWave stress = shear_stress(layer, x, depth);
+        const IntegratedStress expected = integrated_stress(nu, x, depth * x, 0, 1);
+        // As above.
+        EXPECT_NEAR(stress.normal, -expected.normal, 1e-7) << nu << " " << x << " " << depth;
+        EXPECT_NEAR(stress.along, expected.shear, 1e-7) << nu << " " << x << " " << depth;
+        // The shear modulus is 1/2.
+        EXPECT_NEAR(layer.lift(x), -expected.surface / 2, 1e-7) << nu << " " << x;
+        // Shear across the wave has w'' = w, w = 0 at the base.
+        EXPECT_NEAR(stress.across, std::cosh(x * (1 - depth)) / std::cosh(x), 1e-14);
+      }
+  EXPECT_NEAR(LayerStress(0.3, 1).lift(40), LayerStress(0.3, 1).lift_of_half_space(), 1e-15);
 }
 
 TEST(LayerStress, IsThePressureOnTheSurfaceAndOfLongWaves) {
@@ -87,7 +121,8 @@ TEST(LayerStress, IsThePressureOnTheSurfaceAndOfLongWaves) {
 struct Gaussian {
   double width_m;
 
-  ForceCells on(const TaxelGrid& grid) const {
+  /// @param shear_x, shear_y  friction over pressure
+  ForceCells on(const TaxelGrid& grid, double shear_x = 0, double shear_y = 0) const {
     std::vector<SpreadForce> forces;
     constexpr int kHalf = 60;
     const double step = 6 * width_m / kHalf;  // exp(-18) is left out
@@ -97,8 +132,9 @@ struct Gaussian {
     };
     for (int j = -kHalf; j < kHalf; ++j)
       for (int i = -kHalf; i < kHalf; ++i)
-        forces.push_back(
-            {(i + 0.5) * step, (j + 0.5) * step, 0.5 * step, 0.5 * step, part(i) * part(j)});
+        forces.push_back({(i + 0.5) * step, (j + 0.5) * step, 0.5 * step, 0.5 * step,
+                          part(i) * part(j), shear_x * part(i) * part(j),
+                          shear_y * part(i) * part(j)});
     return forces_on_cells(forces, 1, grid);
   }
 
@@ -164,6 +200,88 @@ TEST(Taxels, AtDepthEqualTheHankelTransformOfAGaussianPressure) {
                     kTolerance * half_space)
             << where;
       }
+}
+
+TEST(Taxels, AtDepthEqualTheHankelTransformOfAGaussianShear) {
+  const Gaussian pressure{1e-3};
+  constexpr double kPitch = 0.1e-3, kTolerance = 1e-5;  // as above
+  const auto mean = [&](double k) { return 1 - k * k * kPitch * kPitch / 24; };
+  const TaxelGrid grid{40, 40, kPitch};
+  constexpr int kColumn = 31, kRow = 24;
+  const double x = grid.x_m(kColumn), y = grid.y_m(kRow), r = std::hypot(x, y);
+  const ForceCells without = pressure.on(grid), along_x = pressure.on(grid, 1, 0),
+                   along_y = pressure.on(grid, 0, 1);
+  for (const double nu : {0., 0.45, 0.5})
+    for (const double thickness_m : {0.4e-3, 2e-3, 20e-3})
+      for (const double share : {0.5, 1.}) {
+        const ElasticLayer layer{thickness_m, 1e5, nu};
+        const double depth_m = share * thickness_m, area_m2 = kPitch * kPitch;
+        const auto where = ::testing::Message()
+                           << "nu " << nu << ", h " << thickness_m << ", z " << depth_m;
+        const LayerStress stress(nu, share);
+        const auto wave = [&](double k) { return shear_stress(stress, k * thickness_m, share); };
+        const auto means = [&](double k) { return mean(k) * mean(k); };
+        const double normal = pressure.transform(
+                         r, 1, [&](double k) { return k * wave(k).normal * means(k); }),
+                     across = pressure.transform(
+                         r, 0, [&](double k) { return k * wave(k).across * means(k); }),
+                     second = pressure.transform(
+                         r, 0,
+                         [&](double k) { return k * (wave(k).along - wave(k).across) * means(k); }),
+                     first =
+                         pressure.transform(r, 1,
+                                            [&](double k) {
+                                              return (wave(k).along - wave(k).across) * means(k);
+                                            }) /
+                         r,
+                     lift = pressure.transform(r, 1, [&](double k) {
+                       return stress.lift(k * thickness_m) * means(k);
+                     }) / (layer.youngs_modulus_Pa / (2 * (1 + nu)));
+        const double c = x / r, s = y / r;
+        const double peak = pressure.transform(0, 0, [](double k) { return k; });
+        // The lift is that of point forces in the middles of the cells: its kernel, of the lengths
+        // 0 to h, and the shear itself vary over a cell.
+        const double thick = kPitch / thickness_m, wide = kPitch / 1e-3,
+                     lift_tolerance = std::abs(lift) * (thick * thick + wide * wide) / 10;
+        const TaxelReadings plain = read_taxels(without, layer, depth_m);
+        const auto expect = [&](const ForceCells& cells, double expected_normal, double expected_x,
+                                double expected_y, double expected_lift) {
+          const TaxelReadings readings = read_taxels(cells, layer, depth_m);
+          const auto added = [&](const Eigen::ArrayXXd TaxelReadings::*of) {
+            return (readings.*of)(kRow, kColumn) - (plain.*of)(kRow, kColumn);
+          };
+          EXPECT_NEAR(added(&TaxelReadings::force_N) / area_m2, expected_normal, kTolerance * peak)
+              << where;
+          EXPECT_NEAR(added(&TaxelReadings::shear_x_N) / area_m2, expected_x, kTolerance * peak)
+              << where;
+          EXPECT_NEAR(added(&TaxelReadings::shear_y_N) / area_m2, expected_y, kTolerance * peak)
+              << where;
+          EXPECT_NEAR(added(&TaxelReadings::displacement_m), expected_lift, lift_tolerance)
+              << where;
+        };
+        // Derivatives of the potential of l - c: J0' = -J1, J1' = J0 - J1/s.
+        const double mixed = c * s * (second - 2 * first);
+        expect(along_x, c * normal, across + c * c * (second - first) + s * s * first, mixed,
+               c * lift);
+        expect(along_y, s * normal, mixed, across + s * s * (second - first) + c * c * first,
+               s * lift);
+      }
+}
+
+// Equal friction at equal distances, towards the middle or away from it, and one net force.
+TEST(Taxels, ReadFrictionOnTheSurfaceAndItsForceThroughEveryPlane) {
+  const ElasticLayer layer{1e-3, 1e5, 0.45};
+  const Gaussian pressure{1e-3};
+  const ForceCells cells = pressure.on({64, 64, 0.6e-3}, 0.3, -0.1);
+  const TaxelReadings surface = read_taxels(cells, layer, 0),
+                      base = read_taxels(cells, layer, 1e-3);
+  EXPECT_NEAR(surface.shear_x_N.sum(), 0.3, 1e-12);
+  EXPECT_NEAR(surface.shear_y_N.sum(), -0.1, 1e-12);
+  EXPECT_NEAR((surface.shear_x_N - 0.3 * surface.force_N).abs().maxCoeff(), 0, 1e-15);
+  // 19 mm to each side: the layer's stress decays like exp(-0.739 r/h).
+  EXPECT_NEAR(base.shear_x_N.sum(), 0.3, 1e-6);
+  EXPECT_NEAR(base.shear_y_N.sum(), -0.1, 1e-6);
+  EXPECT_NEAR(base.force_N.sum(), 1, 1e-6);
 }
 
 TEST(Taxels, AddUpToTheLoadForEveryModel) {

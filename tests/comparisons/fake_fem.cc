@@ -146,6 +146,8 @@ nlohmann::json answer(const nlohmann::json& problem) {
     result["nodal_forces"] = {{"x_m", {a_m / 2, -a_m / 2, a_m / 2, -a_m / 2}},
                               {"y_m", {a_m / 2, a_m / 2, -a_m / 2, -a_m / 2}},
                               {"force_N", std::vector<double>(4, load_N / 4)},
+                              {"friction_x_N", std::vector<double>(4, 0)},
+                              {"friction_y_N", std::vector<double>(4, 0)},
                               {"area_m2", std::vector<double>(4, a_m * a_m)}};
   if (problem.value("pressing", "frictionless") != "frictionless")
     result["frictionless"] = {{"a_m", 1.01 * a_m},

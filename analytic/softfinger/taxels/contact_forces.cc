@@ -92,7 +92,8 @@ struct EllipsePressure {
 
 void normalise(const PressureMoments& all, double load_N, ForceCells& cells) {
   cells.normalisation = load_N / all.force;
-  cells.force_N *= cells.normalisation;
+  for (Eigen::ArrayXXd* forces : {&cells.force_N, &cells.shear_x_N, &cells.shear_y_N})
+    *forces *= cells.normalisation;
   cells.spread_x_m = std::sqrt(all.xx / all.force);
   cells.spread_y_m = std::sqrt(all.yy / all.force);
   cells.arm_m = all.arm / all.force;
@@ -193,11 +194,16 @@ ForceCells forces_on_cells(const LayerContact& contact, const TaxelGrid& grid) {
 ForceCells forces_on_cells(const std::vector<SpreadForce>& forces, double load_N,
                            const TaxelGrid& grid) {
   double half_x_m = 0, half_y_m = 0;
+  bool has_shear = false;
   for (const SpreadForce& force : forces) {
+    has_shear |= force.shear_x_N != 0 || force.shear_y_N != 0;
     half_x_m = std::max(half_x_m, std::abs(force.x_m) + force.half_x_m);
     half_y_m = std::max(half_y_m, std::abs(force.y_m) + force.half_y_m);
   }
   ForceCells cells = cells_for(grid, half_x_m, half_y_m);
+  if (has_shear)
+    cells.shear_x_N = cells.shear_y_N =
+        Eigen::ArrayXXd::Zero(cells.force_N.rows(), cells.force_N.cols());
   PressureMoments all;
   for (const SpreadForce& force : forces) {
     all.add(force.x_m, force.y_m, force.force_N);
@@ -208,9 +214,14 @@ ForceCells forces_on_cells(const std::vector<SpreadForce>& forces, double load_N
     const Shares y(force.y_m - force.half_y_m, force.y_m + force.half_y_m, cells.y_m(0),
                    cells.step_y_m(), int(cells.force_N.cols()));
     for (std::size_t j = 0; j < y.shares.size(); ++j)
-      for (std::size_t i = 0; i < x.shares.size(); ++i)
-        cells.force_N(x.first + int(i), y.first + int(j)) +=
-            force.force_N * x.shares[i] * y.shares[j];
+      for (std::size_t i = 0; i < x.shares.size(); ++i) {
+        const int to_x = x.first + int(i), to_y = y.first + int(j);
+        const double share = x.shares[i] * y.shares[j];
+        cells.force_N(to_x, to_y) += force.force_N * share;
+        if (!has_shear) continue;
+        cells.shear_x_N(to_x, to_y) += force.shear_x_N * share;
+        cells.shear_y_N(to_x, to_y) += force.shear_y_N * share;
+      }
   }
   normalise(all, load_N, cells);
   return cells;

@@ -32,9 +32,10 @@ ForceCells forces_on_cells(const LayerContact& contact, const TaxelGrid& grid);
 /// Forces that are spread evenly over rectangles, for instance those of the nodes of finite
 /// elements over the nodes' surroundings.
 struct SpreadForce {
-  double x_m = 0, y_m = 0;            ///< centre
-  double half_x_m = 0, half_y_m = 0;  ///< > 0
-  double force_N = 0;
+  double x_m = 0, y_m = 0;              ///< centre
+  double half_x_m = 0, half_y_m = 0;    ///< > 0
+  double force_N = 0;                   ///< normal
+  double shear_x_N = 0, shear_y_N = 0;  ///< friction on the layer
 };
 
 /// @param load_N  that the forces add up to, within a few per mille

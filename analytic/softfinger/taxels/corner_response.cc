@@ -1,6 +1,7 @@
 #include "softfinger/taxels/corner_response.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -33,14 +34,58 @@ struct RadialTable {
 };
 
 /// Samples both tables.
-/// @param beyond  samples past the reach: 3 for interpolation, more if others read past it
 template <class Function>
-RadialTable tabulate_radially(int beyond, const Function& f) {
+RadialTable tabulate_radially(const Function& f) {
+  constexpr int kBeyond = 3;  // samples past the reach that interpolation takes
   RadialTable table;
-  const int near = int(kNearReach / kNearStep) + 3, far = int(kStressReach / kFarStep) + beyond;
+  const int near = int(kNearReach / kNearStep) + kBeyond,
+            far = int(kStressReach / kFarStep) + kBeyond;
   for (int i = 0; i <= near; ++i) table.near.push_back(f(i * kNearStep));
   for (int i = 0; i <= far; ++i) table.far.push_back(f(i * kFarStep));
   return table;
+}
+
+/// Hankel transforms of several functions of x = kh at once,
+///   1/(2 pi) int_0^inf f_i(x) J0(x r) dx,
+/// for waves that have decayed at `kLargestStressWaveNumber`.
+template <std::size_t N, class Waves>
+std::array<RadialTable, N> hankel_transforms(const Waves& waves) {
+  using Values = std::array<double, N>;
+  QuadratureRule rule;
+  std::vector<Values> weighted;
+  double rule_end = -1;
+  const auto transform = [&](double r) {
+    constexpr double kBand = 5;  // of distances that share one rule
+    if (r > rule_end || r < rule_end - kBand) {
+      rule_end = kBand * (1 + std::floor(r / kBand));
+      // About one and a half periods of J0 per panel of 16 points, and the kernel resolved.
+      rule = composite_gauss_legendre(kLargestStressWaveNumber, std::min(1.5, 10 / rule_end));
+      weighted.clear();
+      for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+        weighted.push_back(waves(rule.nodes[i]));
+        for (double& value : weighted.back()) value *= rule.weights[i] / (2 * kPi);
+      }
+    }
+    Values sums{};
+    for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
+      const double bessel = bessel_j0(rule.nodes[i] * r);
+      for (std::size_t n = 0; n < N; ++n) sums[n] += weighted[std::size_t(i)][n] * bessel;
+    }
+    return sums;
+  };
+  // `mean_within` reads past the reach of the tables that it makes.
+  constexpr int kBeyond = 8;
+  std::array<RadialTable, N> tables;
+  const auto sample = [&](std::vector<double> RadialTable::*part, double step, double reach) {
+    const int last = int(reach / step) + kBeyond;
+    for (int i = 0; i <= last; ++i) {
+      const Values values = transform(i * step);
+      for (std::size_t n = 0; n < N; ++n) (tables[n].*part).push_back(values[n]);
+    }
+  };
+  sample(&RadialTable::near, kNearStep, kNearReach);
+  sample(&RadialTable::far, kFarStep, kStressReach);
+  return tables;
 }
 
 /// For a field f(r): m(r) = 1/r² int_0^r f(s) s ds, even and as smooth as f. The integral of f over
@@ -50,7 +95,7 @@ template <class Function>
 RadialTable mean_within(const Function& f) {
   static const QuadratureRule rule = gauss_legendre(8);
   double reached = 0, moment = 0;
-  return tabulate_radially(3, [&](double r) {
+  return tabulate_radially([&](double r) {
     // The second table starts at 0 again.
     if (r < reached) reached = moment = 0;
     const int panels = std::max(1, int(std::ceil((r - reached) / kFarStep)));
@@ -64,50 +109,6 @@ RadialTable mean_within(const Function& f) {
     return r > 0 ? moment / (r * r) : 0.5 * f(0);
   });
 }
-
-/// The layer's excess over the half-space of a point force's stress, h = 1 and the force 1:
-///   normal stress     1/(2 pi) int_0^inf (g - g_half-space) J0(k r) k dk,
-///   shear potential   1/(2 pi) int_0^inf (t - t_half-space) J0(k r) dk,
-/// the shear traction being minus the gradient of the potential.
-struct ExcessFields {
-  RadialTable normal, potential;
-
-  explicit ExcessFields(const LayerStress& stress) {
-    QuadratureRule rule;
-    std::vector<double> of_potential;
-    double rule_end = -1;
-    const auto transform = [&](double r) {
-      constexpr double kBand = 5;  // of distances that share one rule
-      if (r > rule_end || r < rule_end - kBand) {
-        rule_end = kBand * (1 + std::floor(r / kBand));
-        // About one and a half periods of J0 per panel of 16 points, and the kernel resolved.
-        rule = composite_gauss_legendre(kLargestStressWaveNumber, std::min(1.5, 10 / rule_end));
-        of_potential.clear();
-        for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
-          const LayerStress::Wave excess = stress.excess(rule.nodes[i]);
-          of_potential.push_back(rule.weights[i] * excess.shear / (2 * kPi));
-          rule.weights[i] *= excess.normal * rule.nodes[i] / (2 * kPi);
-        }
-      }
-      LayerStress::Wave sum;
-      for (Eigen::Index i = 0; i < rule.nodes.size(); ++i) {
-        const double bessel = bessel_j0(rule.nodes[i] * r);
-        sum.normal += rule.weights[i] * bessel;
-        sum.shear += of_potential[std::size_t(i)] * bessel;
-      }
-      return sum;
-    };
-    std::vector<double>* shear = &potential.near;
-    double last = -1;
-    normal = tabulate_radially(8, [&](double r) {
-      if (r < last) shear = &potential.far;
-      last = r;
-      const LayerStress::Wave both = transform(r);
-      shear->push_back(both.shear);
-      return both.normal;
-    });
-  }
-};
 
 /// int_0^Y f(sqrt(X² + y²)) dy for all offsets of the lattice, which are in thicknesses here.
 /// @param along_y  else the integral goes along x: int_0^X f dx
@@ -170,8 +171,14 @@ StressCorners stress_corners(const ElasticLayer& layer, double depth_m,
                              const OffsetLattice& lattice) {
   const double h = layer.thickness_m, z = depth_m / h;
   const double step_x = lattice.step_x_m / h, step_y = lattice.step_y_m / h;
-  const ExcessFields excess(LayerStress(layer.poisson_ratio, z));
-  const RadialTable mean = mean_within(excess.normal);
+  const LayerStress stress(layer.poisson_ratio, z);
+  // The layer's excess over the half-space of the normal stress, and of the potential whose
+  // gradient is minus the shear.
+  const auto [normal_excess, potential_excess] = hankel_transforms<2>([&](double x) {
+    const LayerStress::Wave excess = stress.excess(x);
+    return std::array{excess.normal * x, excess.shear};
+  });
+  const RadialTable mean = mean_within(normal_excess);
   // The sum of both is nothing beyond the reach, so that the excess is the half-space's, negative.
   StressCorners corners;
   corners.normal = area_integrals(lattice, step_x, step_y, [&](double r) {
@@ -179,8 +186,8 @@ StressCorners stress_corners(const ElasticLayer& layer, double depth_m,
     const double R = std::sqrt(r * r + z * z);
     return z * z * z / (2 * kPi * R * R * R * r * r);
   });
-  const auto potential = [&](double r) {
-    if (r < kStressReach) return excess.potential(r);
+  const auto potential = [&, &excess = potential_excess](double r) {
+    if (r < kStressReach) return excess(r);
     const double R = std::sqrt(r * r + z * z);
     return -z * z / (2 * kPi * R * R * R);
   };
@@ -195,6 +202,91 @@ StressCorners stress_corners(const ElasticLayer& layer, double depth_m,
       corners.shear_x(i, j) -= z * z * Y / (2 * kPi * to_x * R);
       corners.shear_y(i, j) -= z * z * X / (2 * kPi * to_y * R);
     }
+  return corners;
+}
+
+ShearCorners shear_corners(const ElasticLayer& layer, double depth_m,
+                           const OffsetLattice& lattice) {
+  const double h = layer.thickness_m, z = depth_m / h;
+  const double step_x = lattice.step_x_m / h, step_y = lattice.step_y_m / h;
+  const LayerStress stress(layer.poisson_ratio, z);
+  // Excess over the half-space, per point force along x: of the potential whose derivative along x
+  // is minus the normal stress; of the stress c along the force; and of l - c, whose potential is
+  // theta: l - c adds the shear -grad(d theta/dx), and r theta' = -int_0^r (l - c) s ds.
+  const auto tables = hankel_transforms<4>([&](double x) {
+    const LayerStress::ShearWave excess = stress.shear_excess(x);
+    const double difference = excess.along - excess.across;
+    return std::array{excess.normal, excess.across * x, difference * x, difference / x};
+  });
+  const RadialTable across_mean = mean_within(tables[1]), difference_mean = mean_within(tables[2]);
+  // The sum of both is nothing beyond the reach.
+  const auto within = [&](const RadialTable& table, const auto& half_space) {
+    return [&table, half_space, z](double r) {
+      return r < kStressReach ? table(r) : -half_space(r, std::sqrt(r * r + z * z));
+    };
+  };
+  const auto potential =
+      within(tables[0], [z](double, double R) { return z * z / (2 * kPi * R * R * R); });
+  const auto of_across =
+      within(across_mean, [z](double r, double R) { return (1 - z / R) / (2 * kPi * r * r); });
+  const auto of_difference =
+      within(difference_mean, [z](double, double R) { return -z / (2 * kPi * R * R * R); });
+  const auto theta = within(tables[3], [z](double, double R) { return -z / (2 * kPi * R); });
+
+  ShearCorners corners;
+  corners.normal_x = -line_integrals(lattice, step_x, step_y, true, potential);
+  corners.normal_y = -line_integrals(lattice, step_x, step_y, false, potential);
+  corners.along_x = area_integrals(lattice, step_x, step_y, of_across);
+  corners.along_y = corners.along_x;
+  const CornerTable difference_y = line_integrals(lattice, step_x, step_y, true, of_difference),
+                    difference_x = line_integrals(lattice, step_x, step_y, false, of_difference);
+  corners.across.resize(lattice.count_x, lattice.count_y);
+  for (int i = 0; i < lattice.count_x; ++i)
+    for (int j = 0; j < lattice.count_y; ++j) {
+      const double X = (i + 0.5) * step_x, Y = (j + 0.5) * step_y;
+      const double to_x = X * X + z * z, to_y = Y * Y + z * z, R = std::sqrt(to_x + Y * Y);
+      corners.normal_x(i, j) -= z * z * Y / (2 * kPi * to_x * R);
+      corners.normal_y(i, j) -= z * z * X / (2 * kPi * to_y * R);
+      const double across = std::atan2(X * Y, z * R) / (2 * kPi);
+      corners.along_x(i, j) += across + X * difference_y(i, j) - z * X * Y / (2 * kPi * to_x * R);
+      corners.along_y(i, j) += across + Y * difference_x(i, j) - z * X * Y / (2 * kPi * to_y * R);
+      corners.across(i, j) = z / (2 * kPi * R) - theta(std::hypot(X, Y));
+    }
+  return corners;
+}
+
+LiftCorners lift_corners(const ElasticLayer& layer, const OffsetLattice& lattice) {
+  const double h = layer.thickness_m;
+  const double step_x = lattice.step_x_m / h, step_y = lattice.step_y_m / h;
+  const LayerStress stress(layer.poisson_ratio, 0);
+  const double limit = stress.lift_of_half_space();
+  // Of the waves w/x the part limit (1 - exp(-x))²/x has a closed transform, 2 asinh(1/r) -
+  // asinh(2/r), which is -ln r and a smooth function; nothing of w is left beyond the reach.
+  const auto [excess] = hankel_transforms<1>([&](double x) {
+    const double rise = -std::expm1(-x);
+    return std::array{(stress.lift(x) - limit * rise * rise) / x};
+  });
+  const auto smooth = [&, &table = excess](double r) {
+    const double log_r = std::log(std::max(r, 1e-300));
+    if (r > kStressReach) return limit * log_r / (2 * kPi);
+    return table(r) +
+           limit * (2 * std::log(1 + std::sqrt(1 + r * r)) - std::log(2 + std::sqrt(4 + r * r))) /
+               (2 * kPi);
+  };
+  LiftCorners corners{line_integrals(lattice, step_x, step_y, true, smooth),
+                      line_integrals(lattice, step_x, step_y, false, smooth)};
+  const auto log_integral = [](double across, double along) {
+    return along * (std::log(std::hypot(across, along)) - 1) + across * std::atan2(along, across);
+  };
+  for (int i = 0; i < lattice.count_x; ++i)
+    for (int j = 0; j < lattice.count_y; ++j) {
+      const double X = (i + 0.5) * step_x, Y = (j + 0.5) * step_y;
+      corners.x(i, j) -= limit / (2 * kPi) * log_integral(X, Y);
+      corners.y(i, j) -= limit / (2 * kPi) * log_integral(Y, X);
+    }
+  const double shear_modulus_Pa = layer.youngs_modulus_Pa / (2 * (1 + layer.poisson_ratio));
+  corners.x *= -h / shear_modulus_Pa;
+  corners.y *= -h / shear_modulus_Pa;
   return corners;
 }
 

@@ -36,6 +36,30 @@ struct StressCorners {
 StressCorners stress_corners(const ElasticLayer& layer, double depth_m,
                              const OffsetLattice& lattice);
 
+/// Responses of stress at one depth under a point force of 1 N along the surface: along x (`_x`) or
+/// along y (`_y`).
+struct ShearCorners {
+  CornerTable normal_x;          ///< even in X, odd in Y, up to a function of Y
+  CornerTable normal_y;          ///< odd in X, even in Y, likewise
+  CornerTable along_x, along_y;  ///< shear along the force: odd in X and in Y; 1/4 far away
+  CornerTable across;            ///< shear across the force: even in X and in Y, likewise
+};
+
+/// The half-space's part is in closed form (Cerruti's, integrated), the layer's tabulated and
+/// integrated as above.
+/// @param depth_m  0 < z <= h
+/// Cost: as above.
+ShearCorners shear_corners(const ElasticLayer& layer, double depth_m, const OffsetLattice& lattice);
+
+/// Response of the surface's normal displacement, in m² per N, to a force of 1 N along the surface:
+/// along x even in X and odd in Y, along y the other way round, up to functions of one of them.
+struct LiftCorners {
+  CornerTable x, y;
+};
+/// Of point forces in the middles of cells that carry them: cells of the size c change it by about
+/// (c/h)²/10 and, where the shear varies over a length L, (c/L)²/10.
+LiftCorners lift_corners(const ElasticLayer& layer, const OffsetLattice& lattice);
+
 /// Response of the surface's normal displacement, in m² per N, to a force that is spread evenly
 /// over one cell: for the displacement averaged over a rectangle, divide by its area. Linear
 /// elasticity of the stack on a rigid base, without friction; odd in X and in Y. Error about 1e-5

@@ -10,25 +10,29 @@ namespace {
 
 /// Coefficients of a table at signed offsets: the sign that the response has where X, Y or both are
 /// negative.
-enum class Parity { odd_odd, even_odd, odd_even };
+enum class Parity { odd_odd, even_odd, odd_even, even_even };
 
 /// Sums of the forces' responses at all corners of taxels: (column, row).
-Eigen::ArrayXXd at_corners(const ForceCells& forces, const CornerTable& table, Parity parity) {
+/// @param values  of the cells of `forces`
+Eigen::ArrayXXd at_corners(const ForceCells& forces, const Eigen::ArrayXXd& values,
+                           const CornerTable& table, Parity parity) {
+  const bool even_x = parity == Parity::even_odd || parity == Parity::even_even,
+             even_y = parity == Parity::odd_even || parity == Parity::even_even;
   const TaxelGrid& grid = forces.grid;
   Eigen::ArrayXXd corners = Eigen::ArrayXXd::Zero(grid.columns + 1, grid.rows + 1);
-  const int cells_x = int(forces.force_N.rows()), cells_y = int(forces.force_N.cols());
+  const int cells_x = int(values.rows()), cells_y = int(values.cols());
   for (int row = 0; row <= grid.rows; ++row)
     for (int j = 0; j < cells_y; ++j) {
       // The corner lies (dy + 1/2) cells from the cell's middle.
       const int dy = row * forces.per_taxel_y - (forces.begin_y + j) - 1;
       const int place_y = dy >= 0 ? dy : -dy - 1;
-      const double sign_y = dy >= 0 || parity == Parity::odd_even ? 1 : -1;
+      const double sign_y = dy >= 0 || even_y ? 1 : -1;
       for (int column = 0; column <= grid.columns; ++column) {
         double sum = 0;
         for (int i = 0; i < cells_x; ++i) {
           const int dx = column * forces.per_taxel_x - (forces.begin_x + i) - 1;
-          const double part = forces.force_N(i, j) * table(dx >= 0 ? dx : -dx - 1, place_y);
-          sum += dx >= 0 || parity == Parity::even_odd ? part : -part;
+          const double part = values(i, j) * table(dx >= 0 ? dx : -dx - 1, place_y);
+          sum += dx >= 0 || even_x ? part : -part;
         }
         corners(column, row) += sign_y * sum;
       }
@@ -44,16 +48,16 @@ Eigen::ArrayXXd on_taxels(const Eigen::ArrayXXd& corners) {
       .transpose();
 }
 
-Eigen::ArrayXXd on_surface(const ForceCells& forces) {
+Eigen::ArrayXXd on_surface(const ForceCells& forces, const Eigen::ArrayXXd& values) {
   Eigen::ArrayXXd result = Eigen::ArrayXXd::Zero(forces.grid.rows, forces.grid.columns);
   const auto taxel = [](int cell, int per_taxel) { return cell >= 0 ? cell / per_taxel : -1; };
-  for (int j = 0; j < int(forces.force_N.cols()); ++j) {
+  for (int j = 0; j < int(values.cols()); ++j) {
     const int row = taxel(forces.begin_y + j, forces.per_taxel_y);
     if (row < 0 || row >= forces.grid.rows) continue;
-    for (int i = 0; i < int(forces.force_N.rows()); ++i)
+    for (int i = 0; i < int(values.rows()); ++i)
       if (const int column = taxel(forces.begin_x + i, forces.per_taxel_x);
           column >= 0 && column < forces.grid.columns)
-        result(row, column) += forces.force_N(i, j);
+        result(row, column) += values(i, j);
   }
   return result;
 }
@@ -105,19 +109,36 @@ TaxelReadings read_taxels(const ForceCells& forces, const LayerStack& layer, dou
   readings.depth_m = depth_m;
   readings.load_N = forces.force_N.sum();
   const double area_m2 = forces.grid.pitch_m * forces.grid.pitch_m;
+  const auto seen = [&](const Eigen::ArrayXXd& values, const CornerTable& table, Parity parity) {
+    return on_taxels(at_corners(forces, values, table, parity));
+  };
   readings.displacement_m =
-      on_taxels(at_corners(forces, displacement_corners(layer, lattice), Parity::odd_odd)) /
-      area_m2;
+      seen(forces.force_N, displacement_corners(layer, lattice), Parity::odd_odd) / area_m2;
+  if (forces.has_shear() && layer.count == 1) {
+    const LiftCorners lift = lift_corners(layer.surface(), lattice);
+    readings.displacement_m += (seen(forces.shear_x_N, lift.x, Parity::even_odd) +
+                                seen(forces.shear_y_N, lift.y, Parity::odd_even)) /
+                               area_m2;
+  }
   if (depth_m == 0) {
-    readings.force_N = on_surface(forces);
-    readings.shear_x_N = Eigen::ArrayXXd::Zero(forces.grid.rows, forces.grid.columns);
-    readings.shear_y_N = readings.shear_x_N;
+    readings.force_N = on_surface(forces, forces.force_N);
+    // Zero without friction.
+    readings.shear_x_N = on_surface(forces, forces.shear_x_N);
+    readings.shear_y_N = on_surface(forces, forces.shear_y_N);
     return readings;
   }
   const StressCorners stress = stress_corners(layer.surface(), depth_m, lattice);
-  readings.force_N = on_taxels(at_corners(forces, stress.normal, Parity::odd_odd));
-  readings.shear_x_N = on_taxels(at_corners(forces, stress.shear_x, Parity::even_odd));
-  readings.shear_y_N = on_taxels(at_corners(forces, stress.shear_y, Parity::odd_even));
+  readings.force_N = seen(forces.force_N, stress.normal, Parity::odd_odd);
+  readings.shear_x_N = seen(forces.force_N, stress.shear_x, Parity::even_odd);
+  readings.shear_y_N = seen(forces.force_N, stress.shear_y, Parity::odd_even);
+  if (!forces.has_shear()) return readings;
+  const ShearCorners shear = shear_corners(layer.surface(), depth_m, lattice);
+  readings.force_N += seen(forces.shear_x_N, shear.normal_x, Parity::even_odd) +
+                      seen(forces.shear_y_N, shear.normal_y, Parity::odd_even);
+  readings.shear_x_N += seen(forces.shear_x_N, shear.along_x, Parity::odd_odd) +
+                        seen(forces.shear_y_N, shear.across, Parity::even_even);
+  readings.shear_y_N += seen(forces.shear_y_N, shear.along_y, Parity::odd_odd) +
+                        seen(forces.shear_x_N, shear.across, Parity::even_even);
   return readings;
 }
 

@@ -15,9 +15,9 @@ struct TaxelReadings {
   TaxelGrid grid;
   double depth_m = 0;
   Eigen::ArrayXXd force_N;  ///< normal, compression positive
-  Eigen::ArrayXXd
-      shear_x_N;  ///< on what lies below, along the contact's long axis; 0 on the surface
-  Eigen::ArrayXXd shear_y_N;
+  /// On what lies below, x along the contact's long axis; on the surface the friction that is
+  /// known.
+  Eigen::ArrayXXd shear_x_N, shear_y_N;
   Eigen::ArrayXXd displacement_m;  ///< of the surface above the taxel, into the layer, mean
   double load_N = 0;
 
@@ -47,7 +47,8 @@ double covering_pitch_m(int columns, int rows, double half_x_m, double half_y_m,
 /// taxels: cells of the size c change a taxel's share by about c²/(48 a pitch), 1e-5, and at depths
 /// of less than a cell the shear by about exp(-2 pi z/c) of the pressure's change over a cell.
 /// Stress at depth and the displacement are those of a flat layer on a rigid base in linear
-/// elasticity, whichever model the forces are from.
+/// elasticity, whichever model the forces are from. What friction adds to the displacement is known
+/// for one sublayer.
 /// @param layer    of one sublayer where depth_m > 0
 /// @param depth_m  0 (the surface) to the layer's thickness (the base)
 /// @throws InputError

@@ -18,20 +18,24 @@ struct TaxelGrid {
   double y_m(int row) const { return lower_m() + (row + 0.5) * pitch_m; }
 };
 
-/// Normal forces of a contact on small cells, whole numbers of which make a taxel. They may lie
-/// beside the array.
+/// Forces of a contact on small cells, whole numbers of which make a taxel. They may lie beside the
+/// array.
 struct ForceCells {
   TaxelGrid grid;
   int per_taxel_x = 1, per_taxel_y = 1;  ///< cells along a taxel's sides
   int begin_x = 0, begin_y = 0;  ///< place of the first cell, in cells from the array's lower left
-  Eigen::ArrayXXd force_N;       ///< (i, j): cell begin_x + i along x, begin_y + j along y
+  Eigen::ArrayXXd force_N;       ///< normal, (i, j): cell begin_x + i along x, begin_y + j along y
+  /// Friction on the layer, likewise; empty: none, or not known.
+  Eigen::ArrayXXd shear_x_N, shear_y_N;
 
-  /// Moments of the forces before they were put into cells, about the centre.
+  /// Moments of the normal forces before they were put into cells, about the centre.
   double spread_x_m = 0, spread_y_m = 0;  ///< root of the mean of x², of y²
   double arm_m = 0;                       ///< mean distance from the centre
-  /// Load over the sum of the forces as they were integrated, by which they have been multiplied.
+  /// Load over the sum of the normal forces as they were integrated, by which all have been
+  /// multiplied.
   double normalisation = 1;
 
+  bool has_shear() const { return shear_x_N.size() > 0; }
   double step_x_m() const { return grid.pitch_m / per_taxel_x; }
   double step_y_m() const { return grid.pitch_m / per_taxel_y; }
   double x_m(int i) const { return grid.left_m() + (begin_x + i) * step_x_m(); }  ///< left side
