@@ -23,6 +23,7 @@ struct Path {
   std::vector<FrictionState> changes;  ///< solved less superposed
   std::size_t solved = 0;              ///< of them, the first ones
   double guessed = 0;                  ///< largest change that is not solved, relative
+  bool starts_as_pressed = false;      ///< with friction
 };
 
 FrictionWrench difference(const FrictionWrench& one, const FrictionWrench& other) {
@@ -77,6 +78,8 @@ class Corrector {
     } else {
       on_mesh = solve_on_mesh(solving);
     }
+    result_.starts_as_pressed = on_mesh.twist.starts_as_pressed;
+    for (const Path& path : on_mesh.paths) result_.starts_as_pressed |= path.starts_as_pressed;
     correct_motions(on_mesh, on_coarser);
     if (correcting_.with_turn || !velocities_.empty()) correct_slides(on_mesh, on_coarser, solving);
     const std::vector<FrictionState>& twist = result_.twist;
@@ -181,7 +184,7 @@ class Corrector {
       result_.paths.push_back(std::move(path.changes));
     }
     std::size_t compared = 0;
-    if (on_coarser.twist) {
+    if (on_coarser.twist && on_coarser.twist->starts_as_pressed == twist.starts_as_pressed) {
       const auto [largest, states] = compare(on_mesh, *on_coarser.twist);
       result_.twist_error = error_of_difference(largest);
       compared = states;
@@ -243,7 +246,9 @@ class Corrector {
       if (on_coarser.turn)
         state_turn(*on_mesh.turn, *on_coarser.turn);
       else
-        result_.twist_error = std::max(result_.twist_error, usual_error_of(*on_mesh.turn));
+        result_.full_slip_error = usual_error_of(*on_mesh.turn);
+      // The twist ends there.
+      result_.twist_error = std::max(result_.twist_error, result_.full_slip_error);
     }
     if (velocities_.empty()) return;
     if (on_coarser.slides) {
@@ -264,12 +269,11 @@ class Corrector {
   }
 
   void state_turn(const SolvedSlides::Neglected& fine, const SolvedSlides::Neglected& rough) {
-    const double error =
+    result_.full_slip_error =
         fine.is_known && rough.is_known
             ? fine.inferred +
                   error_of_difference((of(fine.wrench) - of(rough.wrench)).cwiseAbs().maxCoeff())
             : usual_error_of(fine);
-    result_.twist_error = std::max(result_.twist_error, error);
   }
 
   void correct_limit_surface(const std::vector<SolvedSlides::Neglected>& found, double spread) {
@@ -288,7 +292,10 @@ class Corrector {
       const Solving& solving, const char* on = "",
       const std::function<void(double)>& on_solved = [](double) {}) const {
     Path path;
+    if (superposed.empty()) return path;
     solved.restart();
+    if (correcting_.drag)
+      path.starts_as_pressed = drag(solved, *solving.mesh->pressed, *correcting_.drag, solving);
     for (const FrictionState& state : superposed) {
       const bool goes_on = path.solved == path.changes.size();
       try {
@@ -322,6 +329,22 @@ class Corrector {
       path.changes.push_back(std::move(change));
     }
     return path;
+  }
+
+  /// Takes the contact to where friction has pressed it; where that fails it stays frictionless.
+  static bool drag(FrictionalPressing& solved, const FinitePressing& pressed, const Drag& drag,
+                   const Solving& solving) {
+    try {
+      solved.settle_at(dragged_places(pressed, drag), {pressed.equilibrium().load, 0});
+      return true;
+    } catch (const EdgeLeftMargin&) {
+      throw;
+    } catch (const ConvergenceError& failure) {
+      solving.tell(
+          formatted("friction: motions start from pressing without friction: %s", failure.what()));
+      solved.restart();
+      return false;
+    }
   }
 
   Eigen::Vector3d of(const FrictionWrench& wrench) const {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "fem/finite/finite_pressing.h"
+#include "fem/finite/rubbed_pressing.h"
 #include "fem/friction/friction_bound.h"
 #include "fem/levels/friction_levels.h"
 #include "fem/output/surface_series.h"
@@ -31,6 +32,9 @@ struct FrictionCorrecting {
   bool has_room = false;   ///< whether a larger patch can be meshed
   bool with_turn = false;  ///< a twist to full slip is asked for
   double force = 0;        ///< largest one, which wrenches are relative to
+  /// Twist and paths start from the contact as it was pressed with friction, which this drag leads
+  /// to; null: from the contact without. Full slip forgets where it started.
+  const Drag* drag = nullptr;
   std::function<void(const std::string&)> progress = nullptr;
   /// Called with the turn, in radians, of each solved state of the twist.
   std::function<void(double turn_rad, const RubbedSurface&)> on_solved = nullptr;

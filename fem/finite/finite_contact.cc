@@ -140,8 +140,13 @@ class FiniteContact : public ContactPhysics {
     std::optional<LevelResult> compared;
     if (task_.pressing.approach > 0) {
       compared = measurement_of(*pressing_, contact_).result;
-      // The torque at full slip is that of the frictionless pressure under the same load.
+      // The torque at full slip is that of the frictionless pressure under the same load, from
+      // which friction leads to the same places.
+      const Eigen::Matrix3Xd places = dragged_places(*pressing_, rubbed_->drag);
       pressing_->press({rubbed_->pressing->equilibrium().load, 0});
+      const double stick_share = rubbed_->drag.stick_share;
+      rubbed_->drag = drag_to(places, *rubbed_->pressing, *pressing_);
+      rubbed_->drag.stick_share = stick_share;
       measured = measure(*pressing_);
       if (!measured) return measured.reason();
       contact_ = *std::move(measured);
@@ -162,7 +167,9 @@ class FiniteContact : public ContactPhysics {
     const Eigen::MatrixXd tangent =
         pressing_->superposed_stiffness({/*odd_x=*/!is_whole, /*odd_y=*/!is_whole});
     SuperposedMotion motion(*pressing_, bound(), tangent);
-    result.stiffness = motion.stiffness();
+    result.stiffness =
+        rubbed_ ? SuperposedMotion(*rubbed_->pressing, bound(*rubbed_->pressing)).stiffness()
+                : motion.stiffness();
     result.full_slip = slide(*pressing_, bound(), {0, 0, 1}).torque;
     if (is_first)
       plan = plan_friction({result.stiffness, result.full_slip, largest_force(), contact_.shape.b},
@@ -177,7 +184,8 @@ class FiniteContact : public ContactPhysics {
     const bool matters =
         std::max(result.neglected_of_twist, result.neglected_of_slide) > worthwhile;
     const bool is_written = problem_.friction.torsion && !problem_.output_directory.empty();
-    if (is_first && (matters || is_written))
+    const bool is_dragged = rubbed_ && (problem_.friction.torsion || !plan->paths.empty());
+    if (is_first && (matters || is_written || is_dragged))
       result.correction = correction(result, tangent, has_room);
     return result;
   }
@@ -437,6 +445,7 @@ class FiniteContact : public ContactPhysics {
     const double moved = twist.pressure_change();
     result.neglected_of_twist = twist.stored_energy() / reference_work() + moved * moved +
                                 (pressing_->layer().planes().any() ? unseen_by_quarter * moved : 0);
+    result.neglected_of_full_slip = result.neglected_of_twist;
     if (!problem_.friction.torsion) return;
     task_.progress(formatted(
         "friction: twist of %zu increments to %.3g rad, slip on %.0f %% of the area, surface moved "
@@ -488,6 +497,7 @@ class FiniteContact : public ContactPhysics {
     correcting.has_room = has_room;
     correcting.with_turn = problem_.friction.torsion;
     correcting.force = largest_force();
+    if (rubbed_) correcting.drag = &rubbed_->drag;
     correcting.progress = task_.progress;
     correcting.on_solved = [this](double turn_rad, const RubbedSurface& surface) {
       series_.add(turn_rad, surface);

@@ -34,24 +34,6 @@ Eigen::Matrix3Xd places_of(const FinitePressing& pressing) {
   return result;
 }
 
-/// The drag that leads to these places, at the nodes that touch.
-Drag drag_to(const Eigen::Matrix3Xd& places, const FinitePressing& pressing,
-             const FinitePressing& frictionless) {
-  std::vector<Index> touching;
-  for (Index i = 0; i < places.cols(); ++i)
-    if (pressing.equilibrium().force[i] > 0) touching.push_back(i);
-  Drag result;
-  result.node.resize(2, static_cast<Index>(touching.size()));
-  for (Index i = 0; i < result.node.cols(); ++i) {
-    const auto& node =
-        pressing.layer().nodes()[static_cast<std::size_t>(touching[static_cast<std::size_t>(i)])];
-    result.node.col(i) << node.x, node.y;
-  }
-  result.moved = (places - places_of(frictionless))(Eigen::all, touching);
-  result.spacing = node_spacing(pressing.layer().discretisation());
-  return result;
-}
-
 /// A smooth field near values at scattered places of the plane: a linear one and cubes of the
 /// distances from them (Duchon's splines), bent the less the longer `blur` is. Rings of nodes come
 /// to touch early or late in a load step, which scatters what they remember.
@@ -95,6 +77,41 @@ void take_over(FrictionalPressing::State state, double out_of_balance, FiniteLay
 }
 
 }  // namespace
+
+Drag drag_to(const Eigen::Matrix3Xd& places, const FinitePressing& with_friction,
+             const FinitePressing& frictionless) {
+  std::vector<Index> touching;
+  for (Index i = 0; i < places.cols(); ++i)
+    if (with_friction.equilibrium().force[i] > 0) touching.push_back(i);
+  Drag result;
+  result.node.resize(2, static_cast<Index>(touching.size()));
+  for (Index i = 0; i < result.node.cols(); ++i) {
+    const auto& node =
+        with_friction.layer()
+            .nodes()[static_cast<std::size_t>(touching[static_cast<std::size_t>(i)])];
+    result.node.col(i) << node.x, node.y;
+  }
+  result.moved = (places - places_of(frictionless))(Eigen::all, touching);
+  result.spacing = node_spacing(with_friction.layer().discretisation());
+  result.planes = with_friction.layer().planes();
+  return result;
+}
+
+Eigen::Matrix3Xd dragged_places(const FinitePressing& frictionless, const Drag& drag) {
+  Eigen::Matrix3Xd places = places_of(frictionless);
+  constexpr double spacings = 1.5;
+  const SmoothField moved(drag.node, drag.moved, spacings * drag.spacing);
+  const auto& nodes = frictionless.layer().nodes();
+  for (Index i = 0; i < places.cols(); ++i) {
+    if (!(frictionless.equilibrium().force[i] > 0)) continue;
+    const auto& node = nodes[static_cast<std::size_t>(i)];
+    const Eigen::Vector3d signs(drag.planes.x && node.x < 0 ? -1 : 1,
+                                drag.planes.y && node.y < 0 ? -1 : 1, 1);
+    places.col(i) +=
+        signs.cwiseProduct(moved(signs.head<2>().cwiseProduct(Eigen::Vector2d(node.x, node.y))));
+  }
+  return places;
+}
 
 RubbedPressing press_rubbing(const FinitePressing& frictionless,
                              const std::shared_ptr<FiniteLayer>& layer, const FrictionBound& bound,
@@ -148,14 +165,7 @@ RubbedPressing press_dragged(const FinitePressing& frictionless,
   result.pressing = std::make_shared<FinitePressing>(layer, frictionless.object());
   result.pressing->continue_from(frictionless);
   result.pressing->press(drive);
-  Eigen::Matrix3Xd places = places_of(*result.pressing);
-  constexpr double spacings = 1.5;
-  const SmoothField moved(drag.node, drag.moved, spacings * drag.spacing);
-  const auto& nodes = layer->nodes();
-  for (Index i = 0; i < places.cols(); ++i) {
-    const auto& node = nodes[static_cast<std::size_t>(i)];
-    if (result.pressing->equilibrium().force[i] > 0) places.col(i) += moved({node.x, node.y});
-  }
+  const Eigen::Matrix3Xd places = dragged_places(*result.pressing, drag);
   FrictionalPressing::State state;
   double out_of_balance = 0;
   {

@@ -201,6 +201,7 @@ FrictionOfLevel friction_on(PressedContact contact, const Problem& problem, Kept
     result = friction_within_margin(contact, problem, kept, plan, progress, on_state);
   }
   plan->region = region_of(contact, result);
+  result.starts_as_pressed = contact.rubbed.has_value();
   return result;
 }
 
@@ -225,16 +226,18 @@ Torsion state_torsion(const FrictionOfLevel& coarse, const FrictionOfLevel& foun
   const double torque_unit = problem.contact.layer.youngs_modulus_Pa * h * h * h;
   const auto stiffness =
       extrapolated_stiffness(coarse.stiffness, fine.stiffness, refinement, elements);
-  const auto error = [&](double difference) {
-    return stated_error(difference, refinement, friction_integral) + fine.neglected_of_twist;
+  const auto error = [&](double difference, double neglected) {
+    return stated_error(difference, refinement, friction_integral) + neglected;
   };
   Torsion torsion;
+  torsion.pressing = fine.starts_as_pressed ? problem.pressing : PressingFriction::none;
   torsion.increments = in_newtons(fine.twist, problem);
   torsion.stiffness_Nm_per_rad = torque_unit * stiffness.value;
   torsion.stiffness_error = stiffness.error;
   torsion.full_slip_Nm = torque_unit * fine.full_slip;
-  torsion.full_slip_error = error(std::abs(coarse.full_slip / found.full_slip - 1));
-  torsion.curve_error = error(curve_difference(coarse, found));
+  torsion.full_slip_error =
+      error(std::abs(coarse.full_slip / found.full_slip - 1), fine.neglected_of_full_slip);
+  torsion.curve_error = error(curve_difference(coarse, found), fine.neglected_of_twist);
   return torsion;
 }
 
@@ -272,7 +275,9 @@ FrictionOfLevel corrected(const FrictionOfLevel& fine, const FrictionOfLevel& co
   for (std::size_t i = 0; i < result.paths.size(); ++i)
     add(correction.paths[i], torque_ratio, result.paths[i]);
   result.full_slip += torque_ratio * correction.full_slip;
+  result.starts_as_pressed = correction.starts_as_pressed;
   result.neglected_of_twist = correction.twist_error;
+  result.neglected_of_full_slip = correction.full_slip_error;
   result.neglected_of_slide = correction.slide_error;
   return result;
 }

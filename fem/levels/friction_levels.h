@@ -15,9 +15,10 @@ namespace softfinger::fem {
 struct FrictionCorrection {
   std::vector<FrictionState> twist, limit_surface;
   std::vector<std::vector<FrictionState>> paths;
-  double full_slip = 0;  ///< torque
+  double full_slip = 0;            ///< torque
+  bool starts_as_pressed = false;  ///< twist and paths, with friction
   /// Relative errors of what is so corrected.
-  double twist_error = 0, slide_error = 0;
+  double twist_error = 0, full_slip_error = 0, slide_error = 0;
   double wall_s = 0;  ///< spent on it, which a finer level does not need again
 };
 
@@ -26,9 +27,11 @@ struct FrictionOfLevel {
   double stiffness = 0, full_slip = 0;
   std::vector<FrictionState> twist, limit_surface;
   std::vector<std::vector<FrictionState>> paths;  ///< to each point of the limit surface
-  /// Relative errors by what the method itself neglects: of the twist's torque, of the limit
-  /// surface.
-  double neglected_of_twist = 0, neglected_of_slide = 0;
+  /// Whether twist and paths start from the contact as friction pressed it, once corrected.
+  bool starts_as_pressed = false;
+  /// Relative errors by what the method itself neglects: of the torque through the twist and at its
+  /// end, of the limit surface.
+  double neglected_of_twist = 0, neglected_of_full_slip = 0, neglected_of_slide = 0;
   /// The part that is neglected on this mesh, where it was asked for.
   std::optional<FrictionCorrection> correction;
 };

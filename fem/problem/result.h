@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "fem/problem/mirror_planes.h"
+#include "softfinger/input/pressing_friction.h"
 
 namespace softfinger::fem {
 
@@ -86,8 +87,9 @@ struct FrictionIncrement {
 
 struct Torsion {
   std::vector<FrictionIncrement> increments;
-  double stiffness_Nm_per_rad =
-      0;                    ///< at the start, all points stuck; extrapolated over the levels
+  PressingFriction pressing = PressingFriction::none;  ///< that the twist starts from
+  /// At the start, all points stuck; extrapolated over the levels.
+  double stiffness_Nm_per_rad = 0;
   double full_slip_Nm = 0;  ///< torque when every point slips
   /// Stated errors, relative; that of the curve relative to the torque at full slip.
   double stiffness_error = 0, full_slip_error = 0, curve_error = 0;

@@ -62,9 +62,7 @@ json increments(const std::vector<FrictionIncrement>& path) {
 void add_friction(const Problem& problem, const Result& result, json& output) {
   if (result.torsion) {
     output["torsion"] = increments(result.torsion->increments);
-    // At finite strain a twist starts from pressing without friction.
-    output["torsion_pressing"] =
-        name_of(problem.finite_strain ? PressingFriction::none : problem.pressing);
+    output["torsion_pressing"] = name_of(result.torsion->pressing);
     output["torsional_stiffness_Nm_per_rad"] = result.torsion->stiffness_Nm_per_rad;
     output["torque_full_slip_Nm"] = result.torsion->full_slip_Nm;
     output["error"]["torsional_stiffness"] = result.torsion->stiffness_error;

@@ -35,7 +35,7 @@ json exported(const std::vector<std::string>& contact) {
   return json::parse(run.out);
 }
 
-/// What a body on shapes of a friction on a table does, without gravity.
+/// A body of some shapes on a table, without gravity.
 class DartWorld {
  public:
   using Shapes = std::vector<std::pair<ShapePtr, Eigen::Vector3d>>;

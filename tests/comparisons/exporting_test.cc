@@ -334,7 +334,7 @@ TEST(Exporting, GazeboSimsDefaultEngineHasNoTorqueWhichIsAnErrorOfAllOfIt) {
   const ContactCurve curve = hertz_curve();
   const SoftContact contact = soft_contact(curve, gz_sim(), Fit::nominal);
   for (const double error : relative_errors(gz_sim(), contact, curve)) EXPECT_EQ(error, -1);
-  // Of three points that share the load; DART's friction pyramids give them 7.7 to 11.5 % more.
+  // Three points that share the load: DART's friction pyramids give them 7.7 to 11.5 % more.
   EXPECT_NEAR(value(lines_for(gz_sim()), "three_points_radius_m") / kEccentricity_m, 0.9121, 1e-4);
 }
 

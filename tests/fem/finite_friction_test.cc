@@ -483,6 +483,59 @@ TEST(FiniteFriction, AnswersAsLinearElasticityForSmallLoads) {
   }
 }
 
+/// Torque over that of full slip, linear between the increments.
+double share_of_torque(const Torsion& torsion, double angle_rad) {
+  double from_rad = 0, from = 0;
+  for (const FrictionIncrement& at : torsion.increments) {
+    const double to = at.wrench.torque_Nm / torsion.full_slip_Nm;
+    if (at.angle_rad >= angle_rad)
+      return from + (to - from) * (angle_rad - from_rad) / (at.angle_rad - from_rad);
+    from_rad = at.angle_rad;
+    from = to;
+  }
+  return from;
+}
+
+// Where friction has sheared the surface while it was pressed, a twist finds less of it left: by up
+// to 4 % of the torque at full slip.
+TEST(FiniteFriction, TwistsFromTheContactAsItWasPressedAsLinearElasticityForSmallLoads) {
+  const auto silent = [](const std::string&) {};
+  for (const bool by_approach : {false, true}) {
+    Problem problem = problem_of(1.0, 1.0, 0.49, 2e-3);
+    problem.friction.limit_surface = 0;
+    if (!by_approach) {
+      problem.approach_m = 0;
+      problem.contact.load.normal_force_N = 0.3;
+    }
+    const auto twist = [&](PressingFriction pressing, bool finite_strain) {
+      problem.pressing = pressing;
+      problem.finite_strain.reset();
+      if (finite_strain) problem.finite_strain = MaterialChoice();
+      const Torsion torsion = solve(problem, silent).torsion.value();
+      EXPECT_EQ(torsion.pressing, pressing);
+      return torsion;
+    };
+    const Torsion finite_strain = twist(PressingFriction::coulomb, true),
+                  without = twist(PressingFriction::none, true),
+                  linear = twist(PressingFriction::coulomb, false),
+                  linear_without = twist(PressingFriction::none, false);
+    EXPECT_NEAR(finite_strain.full_slip_Nm / linear.full_slip_Nm, 1,
+                finite_strain.full_slip_error + linear.full_slip_error + kSmallLoad);
+    double largest = 0;
+    for (const FrictionIncrement& at : linear.increments) {
+      const double less =
+          share_of_torque(linear_without, at.angle_rad) - share_of_torque(linear, at.angle_rad);
+      largest = std::max(largest, less);
+      // The part from friction comes from four elements on a semi-axis, which leave a quarter of it
+      // open.
+      EXPECT_NEAR(
+          share_of_torque(without, at.angle_rad) - share_of_torque(finite_strain, at.angle_rad),
+          less, 0.01);
+    }
+    EXPECT_GT(largest, 0.025);
+  }
+}
+
 TEST(FiniteFriction, FollowsAnyMotionAsLinearElasticityForSmallLoads) {
   Problem problem = problem_of(0.05, 0.03, 0.45, 1e-3);
   problem.level = 1;

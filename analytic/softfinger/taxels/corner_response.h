@@ -56,8 +56,8 @@ ShearCorners shear_corners(const ElasticLayer& layer, double depth_m, const Offs
 struct LiftCorners {
   CornerTable x, y;
 };
-/// Of point forces in the middles of cells that carry them: cells of the size c change it by about
-/// (c/h)²/10 and, where the shear varies over a length L, (c/L)²/10.
+/// Point forces lie in the middles of the cells that carry them: cells of the size c change it by
+/// about (c/h)²/10 and, where the shear varies over a length L, (c/L)²/10.
 LiftCorners lift_corners(const ElasticLayer& layer, const OffsetLattice& lattice);
 
 /// Response of the surface's normal displacement, in m² per N, to a force that is spread evenly
