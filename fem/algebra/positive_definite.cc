@@ -85,11 +85,10 @@ void multiply_factor(Eigen::MatrixXd& factor) {
   factor = upper.reverse();
 }
 
-Eigen::MatrixXd inverse_of_positive_definite(const Eigen::MatrixXd& matrix) {
-  Eigen::MatrixXd result = matrix;
-  if (!factorise_positive_definite(result) || !invert_by_factor(result)) return {};
-  mirror_lower(result);
-  return result;
+Eigen::MatrixXd inverse_of_positive_definite(Eigen::MatrixXd matrix) {
+  if (!factorise_positive_definite(matrix) || !invert_by_factor(matrix)) return {};
+  mirror_lower(matrix);
+  return matrix;
 }
 
 Eigen::VectorXd product_with_zeros(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& vector) {

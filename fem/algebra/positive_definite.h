@@ -29,7 +29,7 @@ bool invert_by_factor(Eigen::MatrixXd& factor);
 void multiply_factor(Eigen::MatrixXd& factor);
 
 /// @returns A^-1; empty (0 x 0) where A is not positive definite
-Eigen::MatrixXd inverse_of_positive_definite(const Eigen::MatrixXd& matrix);
+Eigen::MatrixXd inverse_of_positive_definite(Eigen::MatrixXd matrix);
 
 /// @returns A b, of which columns that b has zeros for are not read: forces act where it touches
 Eigen::VectorXd product_with_zeros(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& vector);

@@ -78,7 +78,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   std::vector<Eigen::Index> rows_of_condensed;
   Eigen::Index rows = 0;    ///< number of all those components
   Eigen::VectorXd springs;  ///< that hold the condensed unknowns in the factor; on normals only
-  Eigen::MatrixXd held;     ///< stiffness of these with the springs
+  Eigen::MatrixXd held;     ///< stiffness of these with the springs, until it is asked for
   Eigen::VectorXd forward;  ///< half of the solution for the residual
   double shift = 0;
   // The latest step:
@@ -103,6 +103,7 @@ struct FiniteLayer::Implementation : LayerSpace {
   Precision precision() const;
   void factorise(Along along);
   Eigen::VectorXd surface_sign() const;
+  Eigen::MatrixXd stiffness_of_surface(Eigen::MatrixXd by_springs) const;
   Eigen::VectorXd borne_by_condensed() const;
   dealii::Vector<double> solve(const Eigen::VectorXd& right_hand_side) const;
 };
@@ -560,18 +561,23 @@ Eigen::VectorXd FiniteLayer::surface_force() const {
 }
 
 SurfaceResponse FiniteLayer::surface_response() const {
-  const auto& self = *implementation_;
-  const Eigen::VectorXd sign = self.surface_sign();
-  SurfaceResponse response;
-  response.force = surface_force();
-  response.stiffness = sign.asDiagonal() * self.held * sign.asDiagonal();
-  response.stiffness.diagonal() -= self.springs;
-  if (self.springs.size() < self.rows) {
-    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(self.rows, self.rows);
-    all(self.rows_of_condensed, self.rows_of_condensed) = response.stiffness;
-    response.stiffness = std::move(all);
-  }
-  return response;
+  return {implementation_->stiffness_of_surface(implementation_->held), surface_force()};
+}
+
+Eigen::MatrixXd FiniteLayer::take_surface_stiffness() {
+  return implementation_->stiffness_of_surface(std::move(implementation_->held));
+}
+
+Eigen::MatrixXd FiniteLayer::Implementation::stiffness_of_surface(
+    Eigen::MatrixXd by_springs) const {
+  const Eigen::VectorXd sign = surface_sign();
+  by_springs.array().colwise() *= sign.array();
+  by_springs.array().rowwise() *= sign.transpose().array();
+  by_springs.diagonal() -= springs;
+  if (springs.size() == rows) return by_springs;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(rows, rows);
+  all(rows_of_condensed, rows_of_condensed) = by_springs;
+  return all;
 }
 
 Eigen::MatrixXd FiniteLayer::superposed_stiffness(const std::vector<NodeFrame>& frames,
@@ -714,7 +720,11 @@ class CellFinder {
 
 }  // namespace
 
-void FiniteLayer::release_factor() { implementation_->factor.reset(); }
+void FiniteLayer::release_factor() {
+  implementation_->factor.reset();
+  implementation_->tangent.reset();
+  implementation_->held = {};
+}
 
 void FiniteLayer::continue_from(const FiniteLayer& other) {
   auto& self = *implementation_;

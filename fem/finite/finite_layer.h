@@ -97,6 +97,8 @@ class FiniteLayer {
   /// surface node along its normal, or three along the axes of its frame. Those that a mirror plane
   /// fixes have zero rows.
   SurfaceResponse surface_response() const;
+  /// Its stiffness, with the memory: the response cannot be asked for again.
+  Eigen::MatrixXd take_surface_stiffness();
   /// The force of that response alone.
   Eigen::VectorXd surface_force() const;
 
@@ -133,7 +135,7 @@ class FiniteLayer {
   /// cover stays as it was.
   void continue_from(const FiniteLayer& other);
 
-  /// Gives the memory of the factorisation back.
+  /// Gives the memory of the tangent and its factorisation back.
   void release_factor();
 
   /// The state, to come back to.

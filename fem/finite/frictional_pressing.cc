@@ -102,19 +102,22 @@ struct FrictionalPressing::Tangent {
   bool set(const Eigen::MatrixXd& of_surface) {
     tangential.clear();
     normal.clear();
-    std::vector<Index> movable;  // of the tangential rows: a mirror plane fixes some
+    // Of the tangential rows: a mirror plane fixes some.
+    std::vector<Index> movable, movable_of_surface;
     for (Index i = 0; i < of_surface.rows() / 3; ++i) {
       for (const Index row : {3 * i, 3 * i + 1}) {
-        if (of_surface(row, row) != 0) movable.push_back(static_cast<Index>(tangential.size()));
+        if (of_surface(row, row) != 0) {
+          movable.push_back(static_cast<Index>(tangential.size()));
+          movable_of_surface.push_back(row);
+        }
         tangential.push_back(row);
       }
       normal.push_back(3 * i + 2);
     }
-    compliance = of_surface(tangential, tangential);
     const Eigen::MatrixXd of_movable =
-        inverse_of_positive_definite(compliance(movable, movable).eval());
+        inverse_of_positive_definite(of_surface(movable_of_surface, movable_of_surface));
     if (of_movable.size() == 0) return false;
-    compliance.setZero();
+    compliance.setZero(of_surface.rows() / 3 * 2, of_surface.rows() / 3 * 2);
     compliance(movable, movable) = of_movable;
     by_normal = of_surface(tangential, normal);
     lift = by_normal.transpose() * compliance;
@@ -242,7 +245,7 @@ bool FrictionalPressing::try_motion(const PlaneMotion& motion, const Rub& rub, d
       history.clear();
       mixing.restart();
       tangent_ = std::make_unique<Tangent>();
-      if (!tangent_->set(layer_->surface_response().stiffness)) {
+      if (!tangent_->set(layer_->take_surface_stiffness())) {
         tangent_.reset();
         failure_ = "the surface is not stable against shear";
         return false;
