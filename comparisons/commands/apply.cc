@@ -417,6 +417,7 @@ FingerContact pad_contact_of(const ApplyOptions& options, const Simulator& simul
           : fmt::format("{}{:+.0f} % of the torque, by {}", up_to, 100 * error,
                         has_pressure ? "the uniform pressure" : "the forces at its corners");
   finger.wanted.force_error = range_of(finger.force_errors, finger.curve, "force");
+  if (in_pyramids) finger.wanted.force_error += " along the pyramid's directions, +41 % between";
   if (options.effective_mass_g > 0)
     finger.wanted.effective_mass_kg = 1e-3 * options.effective_mass_g;
   if (options.depth_mm > 0) finger.wanted.depth_m = 1e-3 * options.depth_mm;
@@ -678,8 +679,8 @@ void add_apply(CLI::App& app, Action& action) {
                     "MuJoCo: also list the geoms for libsoftfinger_mujoco, with which the torque "
                     "follows the load");
   command->add_flag("--shrink-pads", options->shrink_pads,
-                    "flat pads that are a box or a cylinder: shrinks the shape, once, until its "
-                    "corners lie at e_n from its middle, where their forces have the pad's torque");
+                    "flat pads that are a box or a cylinder: shrinks the shape, once, until the "
+                    "forces at its corners have the pad's torque");
   command
       ->add_option(
           "--effective-mass-g", options->effective_mass_g,

@@ -275,7 +275,7 @@ void add_export(CLI::App& app, Action& action) {
       "A case with relaxation or history is exported for one time; over the range of loads its\n"
       "history is scaled, and the stiffness is that of quick motion: "
       "docs/a_gripper_that_creeps.md.\n"
-      "A flat pad is exported as a box whose corners lie at e_n from its middle, and as one point: "
+      "A flat pad is exported as a box whose corners' forces have its torque, and as one point: "
       "docs/flat_pads.md.\n"
       "Samples:\n"
       "  softfinger export silicone_pad_2mm --to mujoco\n"

@@ -35,7 +35,8 @@ nlohmann::json to_json(const PadContact& made, const Simulator& simulator,
   const Lines lines = point_lines(simulator, contact), box = box_lines(simulator, contact);
   nlohmann::json result = to_json(made.answer, 0);
   result["recommended"] = true;
-  nlohmann::json traps = nlohmann::json::array({exporting::kPadPoints});
+  nlohmann::json traps =
+      nlohmann::json::array({exporting::pad_points_trap(simulator.friction_is_pyramid)});
   for (const auto trap : simulator.traps) traps.push_back(trap);
   return {{"case", contact_case.id},
           {"simulator", simulator.name},
@@ -85,7 +86,7 @@ std::string lines_text(const PadContact& made, const Simulator& simulator) {
       box_lines(simulator, contact).text, point_lines(simulator, contact).text, simulator.title,
       simulator.law, 1e-3 * contact.normal_stiffness_N_per_m, 1e3 * contact.eccentricity_m,
       1e3 * tipping_m[0], 1e3 * tipping_m[1], 1e3 * lift_off_m[0], 1e3 * lift_off_m[1],
-      exporting::kPadPoints);
+      exporting::pad_points_trap(simulator.friction_is_pyramid));
   for (const auto trap : simulator.traps) text += fmt::format("- {}\n", trap);
   return text;
 }

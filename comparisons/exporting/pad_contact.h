@@ -47,12 +47,22 @@ CornerShape corner_shape(RobotFormat format, const RobotShape& shape, const Flat
                          const PadFace& face);
 
 /// The first trap of every export of a pad.
-constexpr const char* kPadPoints =
-    "take the box, or Drake's patch: four points at the corners hold torque and tilting by their "
-    "forces (force and torque together 10 to 20 % below the friction ellipsoid, the pad itself up "
-    "to 9 %); the box tips before the pad does. One point, a small sphere in the pad's middle, has "
-    "the torque by the engine's law and does not hold against tilting. Never both: the pad's own "
-    "face as a box carries about twice the torque by its corners' forces alone, and torsional "
-    "friction adds to it";
+/// @param in_pyramids  `Simulator::friction_is_pyramid`
+constexpr const char* pad_points_trap(bool in_pyramids) {
+  return in_pyramids
+             ? "take the box: four points at the corners hold torque and tilting by their forces, "
+               "with force and torque together 25 % below to 65 % above the friction ellipsoid, by "
+               "the pyramid's directions (the pad itself up to 9 % below); the box tips before the "
+               "pad does. One point, a small sphere in the pad's middle, has the torque by the "
+               "engine's law and does not hold against tilting. Never both: the pad's own face as "
+               "a box carries two to three times the torque by its corners' forces alone, and "
+               "torsional friction adds to it"
+             : "take the box, or Drake's patch: four points at the corners hold torque and tilting "
+               "by their forces (force and torque together 10 to 20 % below the friction "
+               "ellipsoid, the pad itself up to 9 %); the box tips before the pad does. One point, "
+               "a small sphere in the pad's middle, has the torque by the engine's law and does "
+               "not hold against tilting. Never both: the pad's own face as a box carries about "
+               "twice the torque by its corners' forces alone, and torsional friction adds to it";
+}
 
 }  // namespace softfinger::exporting

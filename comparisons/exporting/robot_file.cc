@@ -383,7 +383,7 @@ void change_options(XmlFile& file, WantedElement& root) {
   if (!new_option.attributes.empty()) root.children.push_back(new_option);
 }
 
-constexpr const char* kCornerSize = "its corners lie at e_n from the middle";
+constexpr const char* kCornerSize = "the forces at its corners have the pad's torque";
 
 /// Sizes in URDF and SDF.
 void change_sizes(XmlFile& file, RobotFormat format, const std::vector<Wanted>& fingers) {

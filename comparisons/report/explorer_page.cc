@@ -118,7 +118,8 @@ Html simulator_cards(const char* part) {
   Html out;
   for (const exporting::Simulator& simulator : exporting::all_simulators()) {
     Html traps;
-    if (*part) traps += html("<li>{}</li>", exporting::kPadPoints);
+    if (*part)
+      traps += html("<li>{}</li>", exporting::pad_points_trap(simulator.friction_is_pyramid));
     for (const std::string_view trap : simulator.traps) traps += html("<li>{}</li>", trap);
     out += html(
         "<article><h3 id=\"{4}to_{0}\">{1}</h3>\n<p class=\"facts\">{2}</p>\n<pre tabindex=\"0\" "
@@ -276,7 +277,7 @@ Html pad_body(const std::string& outline_of_case) {
          "pressure at full slip, which a twist makes frictionless; all else is as pressed.</p>\n" +
          pad_table() + model_cards(all_pad_models()) +
          "<h2 id=\"pad_simulators\">What to type into a simulator</h2>\n<p>For the model drawn: "
-         "first a box whose corners lie at e<sub>n</sub>, then, instead of it, one point. Never "
+         "first a box whose corners' forces have the torque, then, instead of it, one point. Never "
          "both.</p>\n<div class=\"simulators\">\n" +
          simulator_cards("pad-") +
          "</div>\n<h2 id=\"pad_command_line\">The same on the command line</h2>\n<pre "

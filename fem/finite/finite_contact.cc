@@ -13,6 +13,7 @@
 #include "fem/finite/deformed_contact.h"
 #include "fem/finite/rubbed_pressing.h"
 #include "fem/finite/superposed_friction.h"
+#include "fem/layer/element_limits.h"
 #include "fem/levels/level_loop.h"
 #include "fem/output/surface_series.h"
 #include "softfinger/input/errors.h"
@@ -31,12 +32,14 @@ using Materials = std::vector<std::shared_ptr<const Material>>;
 /// Materials of the sublayers, in units of the layer's E.
 Materials materials_of(const ContactTask& task) {
   const Problem& problem = task.problem;
+  const double largest = problem.pressing == PressingFriction::none ? largest_poisson_ratio
+                                                                    : largest_rubbed_poisson_ratio;
   Materials result;
   for (const auto& [youngs_ratio, poisson_ratio] : task.pressing.materials())
     result.push_back(make_material(problem.sublayers.empty()
                                        ? *problem.finite_strain
                                        : problem.sublayers[result.size()].material,
-                                   youngs_ratio, poisson_ratio));
+                                   youngs_ratio, std::min(poisson_ratio, largest)));
   return result;
 }
 
@@ -91,8 +94,9 @@ class FiniteContact : public ContactPhysics {
     } catch (const ConvergenceError& error) {
       throw ConvergenceError("pressing with friction at finite strain", error.iteration(),
                              error.residual(),
-                             "it bears this load without: pressing = \"frictionless\", whose "
-                             "largest torque is the same");
+                             std::string(error.what()) +
+                                 "; it bears this load without: pressing = \"frictionless\", whose "
+                                 "largest torque is the same");
     }
     rubbed_->pressing->release_factor();
     return std::nullopt;

@@ -87,6 +87,19 @@ double outline_error(double difference, double coarse, double fine, double refin
   return fine + std::max(0.0, difference - std::hypot(coarse, fine)) / (refinement - 1);
 }
 
+RelativeError error_of_compressing(const LevelResult& contact, double thickness_m,
+                                   double compressed) {
+  const double change = compressed * contact.a_m * contact.b_m / (thickness_m * thickness_m);
+  RelativeError result;
+  result.a = result.b = 0.5 * change;
+  result.area = change;
+  result.peak_pressure = 1.2 * change;
+  result.indentation = 2.1 * change;
+  result.load = load_per_approach * 2.1 * change;
+  result.max_torque = 0.3 * change;
+  return result;
+}
+
 RelativeError error_of_levels(const ErrorTable& table, const LevelResult& coarse,
                               const LevelResult& fine, const ErrorSetting& setting) {
   const double refinement = refinement_of(coarse, fine), crossed = crossed_cells(fine);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fem/base/formatted.h"
+#include "fem/layer/element_limits.h"
 #include "meshes/generation/object_surface.h"
 
 namespace softfinger::fem {
@@ -47,11 +48,23 @@ ErrorSetting error_setting(const SolvedLevels& levels, const ContactTask& task) 
   return setting;
 }
 
+/// By how much the elements' Poisson's ratio is below the layer's, or the most of its sublayers'.
+double compressed_by_elements(const ContactTask& task) {
+  if (!task.problem.finite_strain || task.problem.pressing == PressingFriction::none) return 0;
+  double result = 0;
+  for (const ElasticConstants& of : task.pressing.materials())
+    result = std::max(result, of.poisson_ratio - largest_rubbed_poisson_ratio);
+  return result;
+}
+
 void state_errors(const SolvedLevels& levels, const ScanErrors& scan, const ErrorTable& table,
                   const ContactTask& task, Result& result) {
   result.error =
       error_of_contact(table, levels.coarse(), levels.fine(), error_setting(levels, task));
-  for (const auto quantity : relative_errors) result.error.*quantity += scan.core.*quantity;
+  const RelativeError compressing =
+      error_of_compressing(levels.fine(), task.pressing.thickness_m, compressed_by_elements(task));
+  for (const auto quantity : relative_errors)
+    result.error.*quantity += scan.core.*quantity + compressing.*quantity;
   if (levels.friction.size() < 2) return;
   state_friction(levels.friction.front(), levels.friction.back(),
                  refinement_of(levels.coarse(), levels.fine()), task.problem, result);

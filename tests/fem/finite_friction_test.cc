@@ -536,6 +536,32 @@ TEST(FiniteFriction, TwistsFromTheContactAsItWasPressedAsLinearElasticityForSmal
   }
 }
 
+// Its elements are a little compressible, which its error knows.
+TEST(FiniteFriction, PressesAnIncompressibleLayer) {
+  Problem problem = problem_of(20e-3, 20e-3, 0.5, 0.15);
+  problem.level = 1;
+  problem.friction = {};
+  problem.pressing = PressingFriction::coulomb;
+  const auto silent = [](const std::string&) {};
+  const Result deep = solve(problem, silent);
+  EXPECT_GT(deep.finest.stick_share, 0.5);
+  problem.contact.layer.poisson_ratio = 0.4999;
+  const Result nearly = solve(problem, silent);
+  EXPECT_NEAR(deep.finest.load_N / nearly.finest.load_N, 1, 1e-9) << "the same elements";
+  EXPECT_GT(deep.error.load, nearly.error.load);
+  problem = problem_of(1.0, 1.0, 0.5, 2e-3);
+  problem.level = 1;
+  problem.friction = {};
+  problem.pressing = PressingFriction::coulomb;
+  const Result shallow = solve(problem, silent);
+  problem.finite_strain.reset();
+  const Result linear = solve(problem, silent);
+  EXPECT_NEAR(shallow.finest.load_N / linear.finest.load_N, 1,
+              shallow.error.load + linear.error.load + kSmallLoad);
+  EXPECT_NEAR(shallow.finest.a_m / linear.finest.a_m, 1,
+              shallow.error.a + linear.error.a + kSmallLoad);
+}
+
 TEST(FiniteFriction, FollowsAnyMotionAsLinearElasticityForSmallLoads) {
   Problem problem = problem_of(0.05, 0.03, 0.45, 1e-3);
   problem.level = 1;
