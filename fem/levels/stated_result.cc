@@ -48,7 +48,8 @@ ErrorSetting error_setting(const SolvedLevels& levels, const ContactTask& task) 
   return setting;
 }
 
-/// By how much the elements' Poisson's ratio is below the layer's, or the most of its sublayers'.
+/// The difference between the layer's Poisson's ratio and that of its elements, the largest of its
+/// sublayers'.
 double compressed_by_elements(const ContactTask& task) {
   if (!task.problem.finite_strain || task.problem.pressing == PressingFriction::none) return 0;
   double result = 0;

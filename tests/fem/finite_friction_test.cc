@@ -496,8 +496,8 @@ double share_of_torque(const Torsion& torsion, double angle_rad) {
   return from;
 }
 
-// Where friction has sheared the surface while it was pressed, a twist finds less of it left: by up
-// to 4 % of the torque at full slip.
+// Friction has sheared the surface while it was pressed, and leaves less of it to a twist: by up to
+// 4 % of the torque at full slip.
 TEST(FiniteFriction, TwistsFromTheContactAsItWasPressedAsLinearElasticityForSmallLoads) {
   const auto silent = [](const std::string&) {};
   for (const bool by_approach : {false, true}) {
@@ -536,7 +536,7 @@ TEST(FiniteFriction, TwistsFromTheContactAsItWasPressedAsLinearElasticityForSmal
   }
 }
 
-// Its elements are a little compressible, which its error knows.
+// The elements are a little compressible, which the stated error knows.
 TEST(FiniteFriction, PressesAnIncompressibleLayer) {
   Problem problem = problem_of(20e-3, 20e-3, 0.5, 0.15);
   problem.level = 1;
