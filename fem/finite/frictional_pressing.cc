@@ -102,7 +102,7 @@ struct FrictionalPressing::Tangent {
   bool set(const Eigen::MatrixXd& of_surface) {
     tangential.clear();
     normal.clear();
-    // Of the tangential rows: a mirror plane fixes some.
+    // A mirror plane fixes some of the tangential rows.
     std::vector<Index> movable, movable_of_surface;
     for (Index i = 0; i < of_surface.rows() / 3; ++i) {
       for (const Index row : {3 * i, 3 * i + 1}) {
