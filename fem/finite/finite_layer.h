@@ -97,7 +97,7 @@ class FiniteLayer {
   /// surface node along its normal, or three along the axes of its frame. Those that a mirror plane
   /// fixes have zero rows.
   SurfaceResponse surface_response() const;
-  /// Its stiffness, with the memory: the response cannot be asked for again.
+  /// The response's stiffness with its memory: the response cannot be asked for again.
   Eigen::MatrixXd take_surface_stiffness();
   /// The force of that response alone.
   Eigen::VectorXd surface_force() const;
