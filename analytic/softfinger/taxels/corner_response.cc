@@ -260,7 +260,7 @@ LiftCorners lift_corners(const ElasticLayer& layer, const OffsetLattice& lattice
   const double step_x = lattice.step_x_m / h, step_y = lattice.step_y_m / h;
   const LayerStress stress(layer.poisson_ratio, 0);
   const double limit = stress.lift_of_half_space();
-  // Of the waves w/x the part limit (1 - exp(-x))²/x has a closed transform, 2 asinh(1/r) -
+  // The part limit (1 - exp(-x))²/x of the waves w/x has a closed transform, 2 asinh(1/r) -
   // asinh(2/r), which is -ln r and a smooth function; nothing of w is left beyond the reach.
   const auto [excess] = hankel_transforms<1>([&](double x) {
     const double rise = -std::expm1(-x);
