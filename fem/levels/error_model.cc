@@ -91,7 +91,7 @@ RelativeError error_of_compressing(const LevelResult& contact, double thickness_
                                    double compressed) {
   const double change = compressed * contact.a_m * contact.b_m / (thickness_m * thickness_m);
   RelativeError result;
-  result.a = result.b = 0.5 * change;
+  result.a = result.b = 0.6 * change;
   result.area = change;
   result.peak_pressure = 1.2 * change;
   result.indentation = 2.1 * change;

@@ -195,7 +195,7 @@ struct ErrorSetting {
 
 /// Change of a contact by elements whose Poisson's ratio is a little below the layer's 1/2.
 /// Measured on linear layers that stick, nu 0.4999 in place of 0.5, a/h 2.4 to 5.9: 1.5 to 2.1
-/// ab/h² times the difference in d, at most 0.5 in a, 1.2 in the peak and 0.3 in the torque.
+/// ab/h² times the difference in d, at most 0.6 in a, 1.2 in the peak and 0.3 in the torque.
 /// @param compressed  by how much it is below
 RelativeError error_of_compressing(const LevelResult& contact, double thickness_m,
                                    double compressed);
