@@ -32,8 +32,8 @@ using Materials = std::vector<std::shared_ptr<const Material>>;
 /// Materials of the sublayers, in units of the layer's E.
 Materials materials_of(const ContactTask& task) {
   const Problem& problem = task.problem;
-  const double largest = problem.pressing == PressingFriction::none ? largest_poisson_ratio
-                                                                    : largest_rubbed_poisson_ratio;
+  const double largest =
+      problem.has_friction() ? largest_rubbed_poisson_ratio : largest_poisson_ratio;
   Materials result;
   for (const auto& [youngs_ratio, poisson_ratio] : task.pressing.materials())
     result.push_back(make_material(problem.sublayers.empty()

@@ -14,7 +14,7 @@ inline double compressible(double poisson_ratio) {
   return std::min(poisson_ratio, largest_poisson_ratio);
 }
 
-/// The largest one while a contact is pressed with friction at finite strain: with 0.49999 Newton's
+/// The largest one where friction is solved at finite strain: with 0.49999 Newton's
 /// method failed from d/h = 0.1 on, with this value it serves to d/h = 0.34 and beyond. What that
 /// changes is stated (`error_of_compressing`).
 constexpr double largest_rubbed_poisson_ratio = 0.4999;

@@ -51,7 +51,7 @@ ErrorSetting error_setting(const SolvedLevels& levels, const ContactTask& task) 
 /// The difference between the layer's Poisson's ratio and that of its elements, the largest of its
 /// sublayers'.
 double compressed_by_elements(const ContactTask& task) {
-  if (!task.problem.finite_strain || task.problem.pressing == PressingFriction::none) return 0;
+  if (!task.problem.finite_strain || !task.problem.has_friction()) return 0;
   double result = 0;
   for (const ElasticConstants& of : task.pressing.materials())
     result = std::max(result, of.poisson_ratio - largest_rubbed_poisson_ratio);

@@ -71,6 +71,8 @@ struct Problem {
   /// Finite strain of this material, its small-strain constants those of the contact's layer; none:
   /// linear elasticity.
   std::optional<MaterialChoice> finite_strain;
+  /// Whether friction acts on the layer, while it is pressed or after.
+  bool has_friction() const { return pressing != PressingFriction::none || friction.any(); }
   ShearLaw friction_law() const {
     return {shear_law, contact.load.friction_coefficient, shear_strength_Pa};
   }

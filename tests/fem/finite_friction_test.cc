@@ -549,6 +549,11 @@ TEST(FiniteFriction, PressesAnIncompressibleLayer) {
   const Result nearly = solve(problem, silent);
   EXPECT_NEAR(deep.finest.load_N / nearly.finest.load_N, 1, 1e-9) << "the same elements";
   EXPECT_GT(deep.error.load, nearly.error.load);
+  problem.contact.layer.poisson_ratio = 0.5;
+  problem.pressing = PressingFriction::none;
+  problem.friction.torsion = true;
+  problem.approach_m /= 3;
+  EXPECT_LT(solve(problem, silent).torsion.value().full_slip_error, 0.02);
   problem = problem_of(1.0, 1.0, 0.5, 2e-3);
   problem.level = 1;
   problem.friction = {};
