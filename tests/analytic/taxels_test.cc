@@ -94,14 +94,15 @@ TEST(LayerStress, OfShearEqualsTheEquationsIntegratedThroughTheThickness) {
         const LayerStress layer(nu, depth);
         const LayerStress::ShearWave stress = shear_stress(layer, x, depth);
         const IntegratedStress expected = integrated_stress(nu, x, depth * x, 0, 1);
-        // As above.
+        // Runge-Kutta's error grows by exp(6) on its way to the base, as in the test before.
         EXPECT_NEAR(stress.normal, -expected.normal, 1e-7) << nu << " " << x << " " << depth;
         EXPECT_NEAR(stress.along, expected.shear, 1e-7) << nu << " " << x << " " << depth;
         // The shear modulus is 1/2.
         EXPECT_NEAR(layer.lift(x), -expected.surface / 2, 1e-7) << nu << " " << x;
-        // Shear across the wave has w'' = w, w = 0 at the base.
+        // Shear across the wave has w'' = w, w = 0 at the base: closed forms, equal to rounding.
         EXPECT_NEAR(stress.across, std::cosh(x * (1 - depth)) / std::cosh(x), 1e-14);
       }
+  // exp(-80) is left of the layer: rounding of numbers below 1.
   EXPECT_NEAR(LayerStress(0.3, 1).lift(40), LayerStress(0.3, 1).lift_of_half_space(), 1e-15);
 }
 
@@ -268,17 +269,18 @@ TEST(Taxels, AtDepthEqualTheHankelTransformOfAGaussianShear) {
       }
 }
 
-// Equal friction at equal distances, towards the middle or away from it, and one net force.
+// Friction with a net force, which is a constant share of the pressure.
 TEST(Taxels, ReadFrictionOnTheSurfaceAndItsForceThroughEveryPlane) {
   const ElasticLayer layer{1e-3, 1e5, 0.45};
   const Gaussian pressure{1e-3};
   const ForceCells cells = pressure.on({64, 64, 0.6e-3}, 0.3, -0.1);
   const TaxelReadings surface = read_taxels(cells, layer, 0),
                       base = read_taxels(cells, layer, 1e-3);
+  // Sums of some thousand cells, and single taxels of at most 0.05 N: rounding.
   EXPECT_NEAR(surface.shear_x_N.sum(), 0.3, 1e-12);
   EXPECT_NEAR(surface.shear_y_N.sum(), -0.1, 1e-12);
   EXPECT_NEAR((surface.shear_x_N - 0.3 * surface.force_N).abs().maxCoeff(), 0, 1e-15);
-  // 19 mm to each side: the layer's stress decays like exp(-0.739 r/h).
+  // 19 mm to each side: the layer's stress, which decays like exp(-0.739 r/h), has fallen to 1e-6.
   EXPECT_NEAR(base.shear_x_N.sum(), 0.3, 1e-6);
   EXPECT_NEAR(base.shear_y_N.sum(), -0.1, 1e-6);
   EXPECT_NEAR(base.force_N.sum(), 1, 1e-6);
