@@ -12,7 +12,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 if [ "${1:-}" = --analytic-only ]; then
   shift
   softfinger_prepare analytic run
-  (cd "$root" && cmake --preset analytic-only -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset analytic-only --target softfinger)
+  (cd "$root" && softfinger_configure --preset analytic-only -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset analytic-only --target softfinger)
   for case in "$root"/comparisons/cases/*.toml; do
     # Mesh cases need surfaces that gmsh makes.
     grep -q 'mesh *=' "$case" || "$root/build/analytic-only/bin/softfinger" predict "$case" "$@"
@@ -23,5 +23,5 @@ fi
 softfinger_prepare fem run
 # The tests have needs of their own: tests/run.sh turns them on. What this job does not run (the
 # verification of the finite elements, studies, tools) is not built either.
-(cd "$root" && cmake --preset release -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset release --target softfinger softfinger-fem)
+(cd "$root" && softfinger_configure --preset release -DSOFTFINGER_BUILD_TESTS=OFF >/dev/null && cmake --build --preset release --target softfinger softfinger-fem)
 "$root/build/release/bin/softfinger" compare "$@"

@@ -32,7 +32,7 @@ softfinger_use_ccache
 # What each source costs the compiler is printed at the end, so that growth is seen.
 export CMAKE_CXX_COMPILER_LAUNCHER="$PWD/tests/build_cost.py;measure${CMAKE_CXX_COMPILER_LAUNCHER:+;$CMAKE_CXX_COMPILER_LAUNCHER}"
 
-cmake --preset "$preset" -DSOFTFINGER_BUILD_TESTS=ON
+softfinger_configure --preset "$preset" -DSOFTFINGER_BUILD_TESTS=ON
 if [ "${1:-}" = --fast ]; then
   cmake --build --preset release --target fast_tests
   exec ctest --preset release -j "$(nproc)" -L fast
@@ -43,7 +43,7 @@ ctest --preset "$preset" -j "$(nproc)" -LE browser
 # wait for no clock are drawn beside each other (tests/report/CMakeLists.txt).
 ctest --preset "$preset" -j "$(nproc)" -L browser --repeat until-pass:2
 
-# The preset builds what the fast tests need and no more.
+# The preset builds what the fast tests need and no more; by the system's compiler (GCC), so that two are tried.
 cmake --preset sanitized -DSOFTFINGER_BUILD_TESTS=ON
 cmake --build --preset sanitized
 ctest --preset sanitized -j "$(nproc)" -L fast

@@ -167,7 +167,7 @@ AnswerInTime ask_in_time(const PressureModel& model, const input::Case& contact_
                          const LocalGeometry& geometry, const Moment& moment,
                          std::optional<double> time_budget_ns) {
   const ContactProblem problem = contact_problem(contact_case, geometry, 1);
-  PredictionInTime now, unrelaxed;
+  PredictionInTime now;
   try {
     now = predict_at(model, problem, moment.history, moment.time_s);
   } catch (const InputError& error) {

@@ -51,8 +51,8 @@ class EdgeShape : public LayerShape {
     /// The distance of the edge's nearest place from the axis through the first touch.
     double distance_along() const { return std::max({0.0, low, -high()}); }
     bool follows(double along) const {
-      constexpr double round_off = 1e-9;
-      return !factor.empty() && along >= low - round_off && along <= high() + round_off;
+      constexpr double rounding = 1e-9;
+      return !factor.empty() && along >= low - rounding && along <= high() + rounding;
     }
     /// The distance from the axis that the stretch makes of another one.
     double stretched(double distance, double along) const;

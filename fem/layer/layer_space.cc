@@ -191,7 +191,9 @@ LayerSpace::Left LayerSpace::leave_out_uncovered(meshes::HexahedralMesh& block) 
     const auto& [low, high] = box;
     // The square's corners are farther away than the wall has to be.
     const LayerDiscretisation& mesh = discretisation;
-    const auto distance = [&](unsigned int c) { return std::max({0.0, low[c], -high[c]}); };
+    const auto distance = [&](unsigned int c) {
+      return std::max({0.0, box.first[c], -box.second[c]});
+    };
     if (std::hypot(distance(0) / (mesh.a + mesh.extent), distance(1) / (mesh.b + mesh.extent)) > 1)
       continue;
     const LayerShape::Cover cover = shape->covers(low[0], high[0], low[1], high[1]);

@@ -89,8 +89,8 @@ RubbedSurface rubbed(const FrictionalContact& contact) {
   RubbedSurface result;
   for (const auto& [i, sign] : places) {
     const double area = surface.area[i];
-    const auto along = [&, turn = sign](const Eigen::VectorXd& field) {
-      return Eigen::Vector3d(turn * field[2 * i], turn * field[2 * i + 1], 0);
+    const auto along = [at = i, turn = sign](const Eigen::VectorXd& field) {
+      return Eigen::Vector3d(turn * field[2 * at], turn * field[2 * at + 1], 0);
     };
     RubbedSurface::Point& point = result.points.emplace_back();
     point.position = {sign * surface.position(0, i), sign * surface.position(1, i),

@@ -63,8 +63,8 @@ TEST(PredictInTime, BeginsWithTheInstantaneousAndEndsWithTheLongTimeElasticAnswe
       const PredictionInTime now = predict_at(*each, fingertip(), history, time_s);
       ASSERT_EQ(now.prediction.has_answer, elastic.has_answer) << each->card().name;
       EXPECT_EQ(now.load_N, 2);
-      const auto same = [&](double one, double other) {
-        EXPECT_NEAR(one, other, 1e-9 * other) << each->card().name << " at " << time_s;
+      const auto same = [&, at_s = time_s](double one, double other) {
+        EXPECT_NEAR(one, other, 1e-9 * other) << each->card().name << " at " << at_s;
       };
       same(now.prediction.a_m, elastic.a_m);
       same(now.prediction.b_m, elastic.b_m);

@@ -103,7 +103,8 @@ TriangleSurface mesh_around(const Body& body, double edge, double width, double 
   std::uniform_real_distribution<double> unit(-0.5, 0.5);
   std::normal_distribution<double> normal;
   const double turn = kPi * unit(random), jitter = 0.3;
-  const Eigen::Vector2d shift(unit(random), unit(random));
+  const double shift_y = unit(random), shift_x = unit(random);
+  const Eigen::Vector2d shift(shift_x, shift_y);
   const Eigen::Rotation2Dd rotation(turn);
   const int half = int(std::ceil(width / edge / std::sqrt(0.75))) + 1, n = 2 * half + 1;
   TriangleSurface surface;
@@ -173,20 +174,23 @@ struct Drawn {
 Drawn draw(int kind, std::mt19937& random) {
   std::uniform_real_distribution<double> unit(0, 1);
   const auto between = [&](double low, double high) { return low + (high - low) * unit(random); };
+  // Drawn one after the other, last first: the arguments of a call are drawn in an order that each
+  // compiler chooses, and the same bodies are wanted of all.
+  const auto vector = [&](double low, double high) {
+    const double z = between(low, high), y = between(low, high), x = between(low, high);
+    return Vector3d(x, y, z);
+  };
   switch (kind) {
     case 0:
-      return {ellipsoid(Vector3d::Ones(),
-                        Vector3d(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5)),
-              Quadric{},
-              {}};
+      return {ellipsoid(Vector3d::Ones(), vector(-0.5, 0.5)), Quadric{}, {}};
     case 1: {
-      const Vector3d axes(between(0.7, 1.4), between(0.7, 1.4), between(0.7, 1.4));
-      return {ellipsoid(axes, Vector3d(unit(random) - 0.5, unit(random) - 0.5, unit(random) - 0.5)),
-              Quadric{},
-              {}};
+      const Vector3d axes = vector(0.7, 1.4);
+      return {ellipsoid(axes, vector(-0.5, 0.5)), Quadric{}, {}};
     }
-    case 2:
-      return {torus(between(1, 3), 1, between(-1, 1)), Quadric{}, {}};
+    case 2: {
+      const double where = between(-1, 1);
+      return {torus(between(1, 3), 1, where), Quadric{}, {}};
+    }
     case 3:
       return {capsule(1, -between(0.5, 2)), quadric_from_radii(1, 1), {}};
     case 4:

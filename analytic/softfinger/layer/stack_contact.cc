@@ -166,7 +166,8 @@ FacingStacks scaled(const LayerStack& finger, const LayerStack& object,
 /// number. Waves much longer than the stack have C = k/2 (int dz/M + k² int z² dz/G), without the
 /// recursion's cancellation.
 template <class Real>
-Real stack_compliance(const ScaledStack& stack, const Real& k) noexcept {
+[[gnu::always_inline]] inline Real stack_compliance(const ScaledStack& stack,
+                                                    const Real& k) noexcept {
   using plain::exp;
   using plain::smaller;
   // Rows: displacement along x, along z; columns: normal and shear traction over k.
@@ -207,7 +208,8 @@ Real stack_compliance(const ScaledStack& stack, const Real& k) noexcept {
 
 /// Pressed against each other, both give way.
 template <class Real>
-Real stack_compliance(const FacingStacks& stacks, const Real& k) noexcept {
+[[gnu::always_inline]] inline Real stack_compliance(const FacingStacks& stacks,
+                                                    const Real& k) noexcept {
   const Real of_finger = stack_compliance(stacks.finger, k);
   return stacks.object.count == 0 ? of_finger : of_finger + stack_compliance(stacks.object, k);
 }

@@ -5,6 +5,10 @@
 
 /// exp, log and sqrt in plain arithmetic, for one double or (pack.h) four: a contact gets the same
 /// bits alone and among others, on every machine. Both functions are within 2 ulp.
+///
+/// Functions that take or return four doubles as a vector are always inlined: in which registers
+/// such a vector is passed depends on the instructions that caller and function are each compiled
+/// for (wide.h).
 namespace softfinger::plain {
 namespace detail {
 
@@ -18,7 +22,7 @@ template <class Real>
 using Bits = typename BitsOf<Real>::type;
 
 template <class To, class From>
-inline To reinterpret(From from) noexcept {
+[[gnu::always_inline]] inline To reinterpret(From from) noexcept {
   static_assert(sizeof(To) == sizeof(From));
   To to;
   std::memcpy(&to, &from, sizeof(to));
@@ -28,7 +32,7 @@ inline To reinterpret(From from) noexcept {
 /// 2^k of a whole number k that was rounded by adding `kRounder`.
 constexpr double kRounder = 0x1.8p52;
 template <class Real>
-inline Real power_of_two(Real k_plus_rounder) noexcept {
+[[gnu::always_inline]] inline Real power_of_two(Real k_plus_rounder) noexcept {
   constexpr std::uint64_t kBias = 1023;
   const Bits<Real> k =
       reinterpret<Bits<Real>>(k_plus_rounder) - reinterpret<Bits<Real>>(Real{} + kRounder);
@@ -37,7 +41,7 @@ inline Real power_of_two(Real k_plus_rounder) noexcept {
 
 /// exp(k ln 2 + r), |r| <= ln(2)/2, by Taylor's series.
 template <class Real>
-inline Real exp_of(Real x) noexcept {
+[[gnu::always_inline]] inline Real exp_of(Real x) noexcept {
   constexpr double kLog2High = 0x1.62e42feep-1, kLog2Low = 0x1.a39ef35793c76p-33;
   // Beyond, the answer is infinite or zero anyway.
   x = x < -800. ? Real{} - 800. : x;
@@ -58,7 +62,7 @@ inline Real exp_of(Real x) noexcept {
 
 /// ln(2^k m) = k ln 2 + 2 artanh((m - 1)/(m + 1)), m about 1.
 template <class Real>
-inline Real log_of(Real x) noexcept {
+[[gnu::always_inline]] inline Real log_of(Real x) noexcept {
   constexpr double kLog2High = 0x1.62e42feep-1, kLog2Low = 0x1.a39ef35793c76p-33;
   constexpr std::uint64_t kOne = 0x3ff0000000000000, kRootOfHalf = 0x3fe6a09e667f3bcd;
   constexpr std::uint64_t kTwoTo52 = 0x4330000000000000;
