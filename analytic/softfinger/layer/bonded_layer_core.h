@@ -108,8 +108,8 @@ LayerQuantitiesOf<Dual<N>> table_correction(const TableCoordinatesOf<Dual<N>>& a
 namespace detail {
 
 template <class Real>
-LayerQuantitiesOf<Real> bonded_layer_logarithms(const Real& log_load, const Real& poisson_ratio,
-                                                const Real& log_radii_ratio) noexcept {
+[[gnu::always_inline]] inline LayerQuantitiesOf<Real> bonded_layer_logarithms(
+    const Real& log_load, const Real& poisson_ratio, const Real& log_radii_ratio) noexcept {
   using plain::exp;
   using plain::larger;
   using plain::smaller;
@@ -133,17 +133,17 @@ LayerQuantitiesOf<Real> bonded_layer_logarithms(const Real& log_load, const Real
 /// @param log_load  ln(P R/(E* h³)), R = sqrt(R' R'')
 /// @param log_radii_ratio  L = ln(R'/R'') >= 0
 template <class Real>
-LayerQuantitiesOf<Real> bonded_layer_logarithms(const Real& log_load, const Real& poisson_ratio,
-                                                const Real& log_radii_ratio) noexcept {
+[[gnu::always_inline]] inline LayerQuantitiesOf<Real> bonded_layer_logarithms(
+    const Real& log_load, const Real& poisson_ratio, const Real& log_radii_ratio) noexcept {
   return detail::bonded_layer_logarithms(log_load, poisson_ratio, log_radii_ratio);
 }
 
 /// Overload that carries derivatives: differentiates with respect to these three numbers first,
 /// then applies the chain rule, so that the cost hardly depends on N.
 template <int N>
-LayerQuantitiesOf<Dual<N>> bonded_layer_logarithms(const Dual<N>& log_load,
-                                                   const Dual<N>& poisson_ratio,
-                                                   const Dual<N>& log_radii_ratio) noexcept {
+[[gnu::always_inline]] inline LayerQuantitiesOf<Dual<N>> bonded_layer_logarithms(
+    const Dual<N>& log_load, const Dual<N>& poisson_ratio,
+    const Dual<N>& log_radii_ratio) noexcept {
   const LayerQuantitiesOf<Dual<3>> by_three = detail::bonded_layer_logarithms(
       Dual<3>::variable(log_load.value, 0), Dual<3>::variable(poisson_ratio.value, 1),
       Dual<3>::variable(log_radii_ratio.value, 2));

@@ -39,7 +39,8 @@ struct LayerArguments {
 };
 
 template <class Real>
-LayerArguments<Real> layer_arguments(const ContactInputOf<Real>& input) noexcept {
+[[gnu::always_inline]] inline LayerArguments<Real> layer_arguments(
+    const ContactInputOf<Real>& input) noexcept {
   using plain::log;
   using plain::sqrt;
   const Real per_thickness = 1. / input.thickness_m;
@@ -54,9 +55,9 @@ LayerArguments<Real> layer_arguments(const ContactInputOf<Real>& input) noexcept
 
 /// Converts logarithms (LayerQuantity) to the contact itself.
 template <class Real>
-ContactNumbersOf<Real> contact_of_logarithms(const LayerQuantitiesOf<Real>& logarithms,
-                                             const Real& mean_radius_m,
-                                             const ContactInputOf<Real>& input) noexcept {
+[[gnu::always_inline]] inline ContactNumbersOf<Real> contact_of_logarithms(
+    const LayerQuantitiesOf<Real>& logarithms, const Real& mean_radius_m,
+    const ContactInputOf<Real>& input) noexcept {
   using plain::exp;
   const Real size_m = input.thickness_m * exp(logarithms[kSize]);
   const Real aspect_root = exp(0.5 * logarithms[kAspect]);
@@ -71,7 +72,8 @@ ContactNumbersOf<Real> contact_of_logarithms(const LayerQuantitiesOf<Real>& loga
 
 /// `bonded_layer` in these numbers.
 template <class Real>
-ContactNumbersOf<Real> bonded_layer_numbers(const ContactInputOf<Real>& input) noexcept {
+[[gnu::always_inline]] inline ContactNumbersOf<Real> bonded_layer_numbers(
+    const ContactInputOf<Real>& input) noexcept {
   const LayerArguments<Real> at = layer_arguments(input);
   return contact_of_logarithms<Real>(
       bonded_layer_logarithms(at.log_load, input.poisson_ratio, at.log_radii_ratio),

@@ -303,8 +303,8 @@ ContactNumbersOf<Real> corrected_contact(const LayerQuantitiesOf<Real>& flat,
 }
 
 template <class Real>
-ContactNumbersOf<Real> fingertip_layer_numbers(const ContactInputOf<Real>& input,
-                                               double sphere) noexcept {
+[[gnu::always_inline]] inline ContactNumbersOf<Real> fingertip_layer_numbers(
+    const ContactInputOf<Real>& input, double sphere) noexcept {
   const LayerArguments<Real> at = layer_arguments(input);
   const LayerQuantitiesOf<Real> flat =
       bonded_layer_logarithms(at.log_load, input.poisson_ratio, at.log_radii_ratio);

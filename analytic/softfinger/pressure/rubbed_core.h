@@ -71,8 +71,9 @@ Real log_of_clamped(const Real& x) noexcept {
 }
 
 template <class Real>
-RatiosOf<Real> ratios_of(const Real& nu, const Real& size, const Real& mu,
-                         const Real& strain) noexcept {
+[[gnu::always_inline]] inline RatiosOf<Real> ratios_of(const Real& nu, const Real& size,
+                                                       const Real& mu,
+                                                       const Real& strain) noexcept {
   using plain::exp;
   using plain::larger;
   const Real t = 1. - 2. * nu;
@@ -97,9 +98,9 @@ RatiosOf<Real> ratios_of(const Real& nu, const Real& size, const Real& mu,
 
 /// Numbers of frictionless pressing as they are with friction.
 template <class Real>
-ContactNumbersOf<Real> with_friction(const ContactNumbersOf<Real>& frictionless, const Real& nu,
-                                     const Real& thickness_m, const Real& mu,
-                                     bool has_finite_strain) noexcept {
+[[gnu::always_inline]] inline ContactNumbersOf<Real> with_friction(
+    const ContactNumbersOf<Real>& frictionless, const Real& nu, const Real& thickness_m,
+    const Real& mu, bool has_finite_strain) noexcept {
   using plain::exp;
   using plain::log;
   using plain::sqrt;
