@@ -6,6 +6,7 @@
 
 #include "softfinger/layer/bonded_layer_spline.h"
 #include "softfinger/layer/layer_limits.h"
+#include "softfinger/math/always_inline.h"
 #include "softfinger/math/dual.h"
 #include "softfinger/math/piecewise_polynomial.h"
 #include "softfinger/math/plain_functions.h"
@@ -108,7 +109,7 @@ LayerQuantitiesOf<Dual<N>> table_correction(const TableCoordinatesOf<Dual<N>>& a
 namespace detail {
 
 template <class Real>
-[[gnu::always_inline]] inline LayerQuantitiesOf<Real> bonded_layer_logarithms(
+SOFTFINGER_ALWAYS_INLINE inline LayerQuantitiesOf<Real> bonded_layer_logarithms(
     const Real& log_load, const Real& poisson_ratio, const Real& log_radii_ratio) noexcept {
   using plain::exp;
   using plain::larger;
@@ -133,7 +134,7 @@ template <class Real>
 /// @param log_load  ln(P R/(E* h³)), R = sqrt(R' R'')
 /// @param log_radii_ratio  L = ln(R'/R'') >= 0
 template <class Real>
-[[gnu::always_inline]] inline LayerQuantitiesOf<Real> bonded_layer_logarithms(
+SOFTFINGER_ALWAYS_INLINE inline LayerQuantitiesOf<Real> bonded_layer_logarithms(
     const Real& log_load, const Real& poisson_ratio, const Real& log_radii_ratio) noexcept {
   return detail::bonded_layer_logarithms(log_load, poisson_ratio, log_radii_ratio);
 }
@@ -141,7 +142,7 @@ template <class Real>
 /// Overload that carries derivatives: differentiates with respect to these three numbers first,
 /// then applies the chain rule, so that the cost hardly depends on N.
 template <int N>
-[[gnu::always_inline]] inline LayerQuantitiesOf<Dual<N>> bonded_layer_logarithms(
+SOFTFINGER_ALWAYS_INLINE inline LayerQuantitiesOf<Dual<N>> bonded_layer_logarithms(
     const Dual<N>& log_load, const Dual<N>& poisson_ratio,
     const Dual<N>& log_radii_ratio) noexcept {
   const LayerQuantitiesOf<Dual<3>> by_three = detail::bonded_layer_logarithms(

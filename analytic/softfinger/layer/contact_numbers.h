@@ -3,6 +3,7 @@
 #include "softfinger/input/constants.h"
 #include "softfinger/input/contact_problem.h"
 #include "softfinger/layer/bonded_layer_core.h"
+#include "softfinger/math/always_inline.h"
 
 namespace softfinger {
 
@@ -39,7 +40,7 @@ struct LayerArguments {
 };
 
 template <class Real>
-[[gnu::always_inline]] inline LayerArguments<Real> layer_arguments(
+SOFTFINGER_ALWAYS_INLINE inline LayerArguments<Real> layer_arguments(
     const ContactInputOf<Real>& input) noexcept {
   using plain::log;
   using plain::sqrt;
@@ -55,7 +56,7 @@ template <class Real>
 
 /// Converts logarithms (LayerQuantity) to the contact itself.
 template <class Real>
-[[gnu::always_inline]] inline ContactNumbersOf<Real> contact_of_logarithms(
+SOFTFINGER_ALWAYS_INLINE inline ContactNumbersOf<Real> contact_of_logarithms(
     const LayerQuantitiesOf<Real>& logarithms, const Real& mean_radius_m,
     const ContactInputOf<Real>& input) noexcept {
   using plain::exp;
@@ -72,7 +73,7 @@ template <class Real>
 
 /// `bonded_layer` in these numbers.
 template <class Real>
-[[gnu::always_inline]] inline ContactNumbersOf<Real> bonded_layer_numbers(
+SOFTFINGER_ALWAYS_INLINE inline ContactNumbersOf<Real> bonded_layer_numbers(
     const ContactInputOf<Real>& input) noexcept {
   const LayerArguments<Real> at = layer_arguments(input);
   return contact_of_logarithms<Real>(

@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "softfinger/layer/contact_numbers.h"
+#include "softfinger/math/always_inline.h"
 
 /// A layer on a curved finger at finite strain: `bonded_layer` times exp of small corrections, in
 /// plain arithmetic on any kind of number (see bonded_layer_core.h).
@@ -303,7 +304,7 @@ ContactNumbersOf<Real> corrected_contact(const LayerQuantitiesOf<Real>& flat,
 }
 
 template <class Real>
-[[gnu::always_inline]] inline ContactNumbersOf<Real> fingertip_layer_numbers(
+SOFTFINGER_ALWAYS_INLINE inline ContactNumbersOf<Real> fingertip_layer_numbers(
     const ContactInputOf<Real>& input, double sphere) noexcept {
   const LayerArguments<Real> at = layer_arguments(input);
   const LayerQuantitiesOf<Real> flat =

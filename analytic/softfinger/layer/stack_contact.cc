@@ -6,6 +6,7 @@
 
 #include "softfinger/input/constants.h"
 #include "softfinger/layer/spherical_bessel.h"
+#include "softfinger/math/always_inline.h"
 #include "softfinger/math/gauss_legendre.h"
 #include "softfinger/math/pack.h"
 #include "softfinger/math/wide.h"
@@ -166,8 +167,8 @@ FacingStacks scaled(const LayerStack& finger, const LayerStack& object,
 /// number. Waves much longer than the stack have C = k/2 (int dz/M + k² int z² dz/G), without the
 /// recursion's cancellation.
 template <class Real>
-[[gnu::always_inline]] inline Real stack_compliance(const ScaledStack& stack,
-                                                    const Real& k) noexcept {
+SOFTFINGER_ALWAYS_INLINE inline Real stack_compliance(const ScaledStack& stack,
+                                                      const Real& k) noexcept {
   using plain::exp;
   using plain::smaller;
   // Rows: displacement along x, along z; columns: normal and shear traction over k.
@@ -208,8 +209,8 @@ template <class Real>
 
 /// Pressed against each other, both give way.
 template <class Real>
-[[gnu::always_inline]] inline Real stack_compliance(const FacingStacks& stacks,
-                                                    const Real& k) noexcept {
+SOFTFINGER_ALWAYS_INLINE inline Real stack_compliance(const FacingStacks& stacks,
+                                                      const Real& k) noexcept {
   const Real of_finger = stack_compliance(stacks.finger, k);
   return stacks.object.count == 0 ? of_finger : of_finger + stack_compliance(stacks.object, k);
 }

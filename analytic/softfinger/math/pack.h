@@ -1,5 +1,6 @@
 #pragma once
 
+#include "softfinger/math/always_inline.h"
 #include "softfinger/math/plain_functions.h"
 
 namespace softfinger {
@@ -23,9 +24,9 @@ struct Pack {
   Numbers numbers{};
 
   Pack() = default;
-  [[gnu::always_inline]] Pack(double of_all) noexcept
+  SOFTFINGER_ALWAYS_INLINE Pack(double of_all) noexcept
       : numbers(Numbers{} + of_all) {}  // NOLINT: constants mix with packs
-  [[gnu::always_inline]] explicit Pack(Numbers given) noexcept : numbers(given) {}
+  SOFTFINGER_ALWAYS_INLINE explicit Pack(Numbers given) noexcept : numbers(given) {}
 
   double operator[](int i) const noexcept { return numbers[i]; }
   void set(int i, double value) noexcept { numbers[i] = value; }
@@ -36,44 +37,44 @@ struct Pack {
   }
   void write(double* array) const noexcept { std::memcpy(array, &numbers, sizeof(numbers)); }
 
-  [[gnu::always_inline]] friend Pack operator+(const Pack& x, const Pack& y) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack operator+(const Pack& x, const Pack& y) noexcept {
     return Pack(x.numbers + y.numbers);
   }
-  [[gnu::always_inline]] friend Pack operator-(const Pack& x, const Pack& y) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack operator-(const Pack& x, const Pack& y) noexcept {
     return Pack(x.numbers - y.numbers);
   }
-  [[gnu::always_inline]] friend Pack operator*(const Pack& x, const Pack& y) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack operator*(const Pack& x, const Pack& y) noexcept {
     return Pack(x.numbers * y.numbers);
   }
-  [[gnu::always_inline]] friend Pack operator/(const Pack& x, const Pack& y) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack operator/(const Pack& x, const Pack& y) noexcept {
     return Pack(x.numbers / y.numbers);
   }
   Pack& operator+=(const Pack& y) noexcept { return *this = *this + y; }
 
   /// Result of a comparison, one truth value for each number.
   using Mask = plain::detail::PackMask;
-  [[gnu::always_inline]] friend Mask operator>=(const Pack& x, const Pack& y) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Mask operator>=(const Pack& x, const Pack& y) noexcept {
     return x.numbers >= y.numbers;
   }
-  [[gnu::always_inline]] friend Mask operator<=(const Pack& x, const Pack& y) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Mask operator<=(const Pack& x, const Pack& y) noexcept {
     return x.numbers <= y.numbers;
   }
 
-  [[gnu::always_inline]] friend Pack exp(const Pack& x) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack exp(const Pack& x) noexcept {
     return Pack(plain::detail::exp_of(x.numbers));
   }
-  [[gnu::always_inline]] friend Pack log(const Pack& x) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack log(const Pack& x) noexcept {
     return Pack(plain::detail::log_of(x.numbers));
   }
-  [[gnu::always_inline]] friend Pack sqrt(const Pack& x) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack sqrt(const Pack& x) noexcept {
     Pack root;
     for (int i = 0; i < kSize; ++i) root.numbers[i] = __builtin_sqrt(x.numbers[i]);
     return root;
   }
-  [[gnu::always_inline]] friend Pack larger(const Pack& x, double least) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack larger(const Pack& x, double least) noexcept {
     return Pack(x.numbers > least ? x.numbers : Numbers{} + least);
   }
-  [[gnu::always_inline]] friend Pack smaller(const Pack& x, double most) noexcept {
+  SOFTFINGER_ALWAYS_INLINE friend Pack smaller(const Pack& x, double most) noexcept {
     return Pack(x.numbers < most ? x.numbers : Numbers{} + most);
   }
 };

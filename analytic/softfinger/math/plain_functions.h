@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include "softfinger/math/always_inline.h"
+
 /// exp, log and sqrt in plain arithmetic, for one double or (pack.h) four: a contact gets the same
 /// bits alone and among others, on every machine. Both functions are within 2 ulp.
 ///
@@ -22,7 +24,7 @@ template <class Real>
 using Bits = typename BitsOf<Real>::type;
 
 template <class To, class From>
-[[gnu::always_inline]] inline To reinterpret(From from) noexcept {
+SOFTFINGER_ALWAYS_INLINE inline To reinterpret(From from) noexcept {
   static_assert(sizeof(To) == sizeof(From));
   To to;
   std::memcpy(&to, &from, sizeof(to));
@@ -32,7 +34,7 @@ template <class To, class From>
 /// 2^k of a whole number k that was rounded by adding `kRounder`.
 constexpr double kRounder = 0x1.8p52;
 template <class Real>
-[[gnu::always_inline]] inline Real power_of_two(Real k_plus_rounder) noexcept {
+SOFTFINGER_ALWAYS_INLINE inline Real power_of_two(Real k_plus_rounder) noexcept {
   constexpr std::uint64_t kBias = 1023;
   const Bits<Real> k =
       reinterpret<Bits<Real>>(k_plus_rounder) - reinterpret<Bits<Real>>(Real{} + kRounder);
@@ -41,7 +43,7 @@ template <class Real>
 
 /// exp(k ln 2 + r), |r| <= ln(2)/2, by Taylor's series.
 template <class Real>
-[[gnu::always_inline]] inline Real exp_of(Real x) noexcept {
+SOFTFINGER_ALWAYS_INLINE inline Real exp_of(Real x) noexcept {
   constexpr double kLog2High = 0x1.62e42feep-1, kLog2Low = 0x1.a39ef35793c76p-33;
   // Beyond, the answer is infinite or zero anyway.
   x = x < -800. ? Real{} - 800. : x;
@@ -62,7 +64,7 @@ template <class Real>
 
 /// ln(2^k m) = k ln 2 + 2 artanh((m - 1)/(m + 1)), m about 1.
 template <class Real>
-[[gnu::always_inline]] inline Real log_of(Real x) noexcept {
+SOFTFINGER_ALWAYS_INLINE inline Real log_of(Real x) noexcept {
   constexpr double kLog2High = 0x1.62e42feep-1, kLog2Low = 0x1.a39ef35793c76p-33;
   constexpr std::uint64_t kOne = 0x3ff0000000000000, kRootOfHalf = 0x3fe6a09e667f3bcd;
   constexpr std::uint64_t kTwoTo52 = 0x4330000000000000;

@@ -50,9 +50,6 @@ template <class Function>
 /// `function()`, compiled twice from the same source: for the instructions that every processor has
 /// and, inlined into one function, for wider ones, of which the processor's are taken. Neither
 /// fuses multiplications with additions that the source does not, so that the bits agree.
-///
-/// `flatten` makes GCC inline all that `function` calls, and clang the first level alone: the
-/// arithmetic that has to be compiled for wide instructions is always inlined by its own attribute.
 template <class Function>
 auto with_best_instructions(const Function& function) {
 #if defined(__x86_64__)

@@ -6,6 +6,7 @@
 
 #include "softfinger/input/constants.h"
 #include "softfinger/layer/contact_numbers.h"
+#include "softfinger/math/always_inline.h"
 #include "softfinger/math/dual.h"
 #include "softfinger/math/plain_functions.h"
 #include "softfinger/pressure/arm_exponent.h"
@@ -71,9 +72,9 @@ Real log_of_clamped(const Real& x) noexcept {
 }
 
 template <class Real>
-[[gnu::always_inline]] inline RatiosOf<Real> ratios_of(const Real& nu, const Real& size,
-                                                       const Real& mu,
-                                                       const Real& strain) noexcept {
+SOFTFINGER_ALWAYS_INLINE inline RatiosOf<Real> ratios_of(const Real& nu, const Real& size,
+                                                         const Real& mu,
+                                                         const Real& strain) noexcept {
   using plain::exp;
   using plain::larger;
   const Real t = 1. - 2. * nu;
@@ -98,7 +99,7 @@ template <class Real>
 
 /// Numbers of frictionless pressing as they are with friction.
 template <class Real>
-[[gnu::always_inline]] inline ContactNumbersOf<Real> with_friction(
+SOFTFINGER_ALWAYS_INLINE inline ContactNumbersOf<Real> with_friction(
     const ContactNumbersOf<Real>& frictionless, const Real& nu, const Real& thickness_m,
     const Real& mu, bool has_finite_strain) noexcept {
   using plain::exp;
